@@ -1,22 +1,21 @@
 /// The picture of basins: what each start comes to, in colours, with the cycles and steady sliding where they are.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "analysis/basins/basins.hpp"
-#include "app/output/caption.hpp"
 #include "app/output/digits.hpp"
-#include "app/output/files.hpp"
-#include "app/output/gnuplot.hpp"
+#include "app/output/figure.hpp"
 #include "app/output/pictures.hpp"
-#include "app/output/sheet.hpp"
-#include "app/scene/scene.hpp"
+#include "app/output/scene_figure.hpp"
+#include "app/output/symbols.hpp"
 #include "app/tasks/basin.hpp"
 
 namespace rosin::app::output {
+
+using namespace results;
 
 namespace {
 
@@ -73,38 +72,43 @@ std::vector<double> surface_speeds(const oscillators::Structure& structure, cons
 }
 
 /// The orbits of all cycles along both axes, an empty row between them.
-void write_orbits(const std::filesystem::path& path, const tasks::Basin& task, const Basins& found) {
-  std::string text = task.x.name + "," + task.y.name + "\n";
+FigureTable orbits_of(const tasks::Basin& task, const Basins& found) {
+  FigureTable table{"basin-cycles.csv", {{task.x.name, {}}, {task.y.name, {}}}};
   for (const auto& basin : found.basins) {
     const auto& orbit = basin.attractor.orbit;
     if (!orbit.contains(task.x.name) || !orbit.contains(task.y.name)) continue;
-    const auto &x = orbit.at(task.x.name), &y = orbit.at(task.y.name);
-    for (std::size_t i = 0; i < x.size(); ++i) text += fmt::format("{},{}\n", x[i], y[i]);
-    text += '\n';
+    for (std::size_t c = 0; c < 2; ++c) {
+      const auto& along = orbit.at(c == 0 ? task.x.name : task.y.name);
+      auto& values = table.columns[c].values;
+      values.insert(values.end(), along.begin(), along.end());
+      values.push_back(NAN);
+    }
   }
-  write_whole(path, text);
+  return table;
 }
 
-/// Neighbours along x that come to the same, as one box: label, centre, ends along x and y.
-void write_cells(const std::filesystem::path& path, const tasks::Basin& task, const Basins& found) {
+/// Neighbours along x that come to the same, as one cell.
+FigureTable cells_of(const tasks::Basin& task, const Basins& found) {
+  FigureTable table{"basin-cells.csv", {}};
+  for (const char* name : {"attractor", "x", "y", "x_low", "x_high", "y_low", "y_high"})
+    table.columns.push_back({name, {}});
   const auto &x = task.x.values, &y = task.y.values;
   const double half_x = 0.5 * (x[1] - x[0]), half_y = 0.5 * (y[1] - y[0]);
-  std::vector<double> columns[7];
   for (std::size_t row = 0; row < y.size(); ++row)
     for (std::size_t first = 0, next; first < x.size(); first = next) {
       const int label = found.labels[row * x.size() + first];
       for (next = first + 1; next < x.size() && found.labels[row * x.size() + next] == label;) ++next;
       const double begin = x[first] - half_x, end = x[next - 1] + half_x;
       const double cell[] = {double(label), 0.5 * (begin + end), y[row], begin, end, y[row] - half_y, y[row] + half_y};
-      for (std::size_t c = 0; c < 7; ++c) columns[c].push_back(cell[c]);
+      for (std::size_t c = 0; c < 7; ++c) table.columns[c].values.push_back(cell[c]);
     }
-  write_csv(path, {{"attractor", columns[0]},
-                   {"x", columns[1]},
-                   {"y", columns[2]},
-                   {"x_low", columns[3]},
-                   {"x_high", columns[4]},
-                   {"y_low", columns[5]},
-                   {"y_high", columns[6]}});
+  return table;
+}
+
+Axis axis_of_starts(const StartAxis& axis, bool has_cells) {
+  const auto [low, high] = std::ranges::minmax(axis.values);
+  const double margin = has_cells ? 0.5 * std::abs(axis.values[1] - axis.values[0]) : 0;
+  return {.name = readable(axis.name) + " at the start", .unit = axis.unit, .from = low - margin, .to = high + margin};
 }
 
 }  // namespace
@@ -113,87 +117,68 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
                                        const Basins& found) {
   const auto& task = scene.task<tasks::Basin>();
   const auto &x = task.x, &y = task.y;
-  std::vector<double> columns[3];
+  auto figure = figure_of(scene, "basin", "What starts come to");
+  figure.width = 760, figure.height = 420, figure.key = Key::below;
+  FigureTable starts{"basin.csv", {column_of(x.name, x.unit, {}), column_of(y.name, y.unit, {}), {"attractor", {}}}};
   for (std::size_t i = 0; i < task.places.size(); ++i) {
-    columns[0].push_back(task.places[i].first), columns[1].push_back(task.places[i].second);
-    columns[2].push_back(found.labels[i] < 0 ? NAN : double(found.labels[i]));
+    const auto [at_x, at_y] = task.places[i];
+    const double row[] = {at_x, at_y, found.labels[i] < 0 ? NAN : double(found.labels[i])};
+    for (std::size_t c = 0; c < 3; ++c) starts.columns[c].values.push_back(row[c]);
   }
-  std::vector<Column> table{{column_header(x.name, x.unit), columns[0]},
-                            {column_header(y.name, y.unit), columns[1]},
-                            {"attractor", columns[2]}};
-  const std::vector<double> followed(found.followed.begin(), found.followed.end());
-  if (!followed.empty()) table.push_back({"followed", followed});
-  write_csv(folder / "basin.csv", table);
-  write_orbits(folder / "basin-cycles.csv", task, found);
-  std::vector<std::string> files = {"basin.csv", "basin-cycles.csv", "basin.gp"};
-  if (!task.random) write_cells(folder / files.emplace_back("basin-cells.csv"), task, found);
+  if (!found.followed.empty()) starts.columns.push_back({"followed", {found.followed.begin(), found.followed.end()}});
+  figure.tables = {std::move(starts), orbits_of(task, found)};
+  if (!task.random) figure.tables.push_back(cells_of(task, found));
 
-  const Sheet sheet{"basin",
-                    "What starts come to",
-                    {.width = 760, .panel = 420, .key = Layout::Key::below},
-                    scene.title,
-                    caption(scene)};
-  std::string script = fmt::format("set xlabel {}\nset ylabel {}\n", label(readable(x.name) + " at the start", x.unit),
-                                   label(readable(y.name) + " at the start", y.unit));
-  script +=
-      "set key samplen 1.6\nset style fill "
-      "solid 1 border linecolor '#777777'\n";
-  const auto range = [&](const tasks::StartAxis& axis) {
-    const auto [low, high] = std::ranges::minmax(axis.values);
-    const double margin = task.random ? 0 : 0.5 * std::abs(axis.values[1] - axis.values[0]);
-    return std::pair(low - margin, high + margin);
-  };
-  const auto [x_low, x_high] = range(x);
-  const auto [y_low, y_high] = range(y);
-  script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x_low, x_high, y_low, y_high);
-  std::vector<std::string> curves;
+  Panel panel{.x = axis_of_starts(x, !task.random), .y = axis_of_starts(y, !task.random), .grid = false};
   std::size_t cycle = 0;
   for (std::size_t k = 0; k < found.basins.size(); ++k) {
     const auto& basin = found.basins[k];
     const auto colour = colour_of(basin.attractor.kind, cycle);
     if (basin.attractor.kind == Attractor::Kind::cycle) ++cycle;
-    if (task.random)
-      for (const auto& [size, fill] :
-           {std::pair{0.5, "#555555"}, {0.35, colour.c_str()}})  // light ones show by the rim
-        curves.push_back(
-            fmt::format("'basin.csv' using 1:($3=={}?$2:NaN) with points pointtype 7 pointsize {} "
-                        "linecolor '{}' notitle",
-                        k, size, fill));
-    else  // borders of their colour, so that no seams show
-      curves.push_back(
-          fmt::format("'basin-cells.csv' using 2:($1=={}?$3:NaN):4:5:6:7 with boxxyerror fillcolor '{}' "
-                      "fillstyle solid 1 border linecolor '{}' notitle",
-                      k, colour, colour));
-    curves.push_back(fmt::format("NaN with boxes fillcolor '{}' title {}", colour,
-                                 single_quoted(title_of(basin, found.shares_of > 0))));
+    Line line{.table = "basin-cells.csv",
+              .x = {2},
+              .y = {3},
+              .how = How::cells,
+              .look = {.colour = colour},
+              .title = title_of(basin, found.shares_of > 0),
+              .where = {{1, '=', double(k)}},
+              .corners = 4};
+    if (task.random) {
+      line.table = "basin.csv", line.x = {1}, line.y = {2}, line.how = How::points, line.where[0].column = 3;
+      auto rim = line;  // light ones show by it
+      rim.title = "", rim.look = {.colour = "#555555", .size = 0.5};
+      line.look.size = 0.35;
+      panel.lines.push_back(std::move(rim));
+    }
+    panel.lines.push_back(std::move(line));
   }
-  const auto line = [&](const std::string& what, const char* dash, const std::string& title) {
-    curves.push_back(what + " with lines linewidth 4 linecolor '#FFFFFF' notitle");
-    curves.push_back(
-        fmt::format("{} with lines linewidth 1.5 linecolor '#000000' dashtype {} title '{}'", what, dash, title));
-  };
-  const bool shows_orbits = std::ranges::any_of(found.basins, [&](const auto& basin) {
-    return basin.attractor.orbit.contains(x.name) && basin.attractor.orbit.contains(y.name);
-  });
-  if (shows_orbits) line("'basin-cycles.csv' using 1:2", "solid", "the motion of a cycle");
+  if (std::ranges::any_of(found.basins, [&](const auto& basin) {
+        return basin.attractor.orbit.contains(x.name) && basin.attractor.orbit.contains(y.name);
+      }))
+    panel.lines.push_back({.table = "basin-cycles.csv",
+                           .look = {.colour = "#000000", .width = 1.5, .halo = true},
+                           .title = "the motion of a cycle"});
   const bool of_structure = scene.structure && !scene.block;
   const auto structure = of_structure ? scene.structure->structure : oscillators::Structure();
-  for (const double speed : surface_speeds(structure, y)) line(fmt::format("{}", speed), "(6,4)", "speed of the belt");
-  for (const double speed : surface_speeds(structure, x))
-    line(fmt::format("'+' using ({}):({}+({})*$0/99.)", speed, y_low, y_high - y_low), "(6,4)", "speed of the belt");
+  for (const auto& [name, axis] : {std::pair{'x', &x}, {'y', &y}})
+    for (const double speed : surface_speeds(structure, *axis))
+      panel.rules.push_back(
+          {name, speed, {.colour = "#000000", .dash = "6,4", .width = 1.5, .halo = true}, "speed of the belt"});
   for (const auto& basin : found.basins)
     if (basin.attractor.kind == Attractor::Kind::steady && (of_structure || scene.plane)) {
-      const auto at = [&](const tasks::StartAxis& axis) {
+      const auto at = [&](const StartAxis& axis) {
         return axis.is_velocity ? axis.velocity_of(0) : basin.attractor.points.front()[std::size_t(axis.coordinate)];
       };
-      curves.push_back(
-          fmt::format("'+' using ({}):({}) every ::::0 with points pointtype 2 pointsize 1.1 linewidth 2 "
-                      "linecolor '#000000' title 'where sliding is steady'",
-                      at(x), at(y)));
+      panel.marks.push_back({at(x),
+                             at(y),
+                             "",
+                             Side::none,
+                             {.colour = "#000000", .width = 2, .point = Point::cross, .size = 1.1},
+                             true,
+                             "where sliding is steady"});
     }
-  script += fmt::format("plot {}\n", fmt::join(curves, ", \\\n     "));
-  write_whole(folder / "basin.gp", sheet.with(std::move(script)));
-  return files;
+  figure.panels = {std::move(panel)};
+  return write(folder, figure);
 }
 
 }  // namespace rosin::app::output

@@ -30,52 +30,6 @@ std::string single_quoted(std::string_view text) {
   return out + '\'';
 }
 
-std::string label(std::string_view meaning, std::string_view unit) {
-  return single_quoted(column_header(meaning.substr(0, meaning.find(';')), unit));
-}
-
-namespace {
-
-/// "harmonics.1.amplitude" as "amplitude of harmonic 1".
-std::string in_words(std::string_view path) {
-  std::string words;
-  std::size_t noun = 0;  // length of the first
-  for (std::size_t begin = 0, end; begin < path.size(); begin = end + 1) {
-    end = std::min(path.find('.', begin), path.size());
-    const std::string key(path.substr(begin, end - begin));
-    if (key.find_first_not_of("0123456789") == key.npos) {
-      const std::size_t plural = noun > 0 && words[noun - 1] == 's' ? 1 : 0;
-      words.replace(noun - plural, plural, ' ' + key);
-    } else {
-      words = key + (words.empty() ? "" : " of " + words);
-      noun = key.size();
-    }
-  }
-  std::ranges::replace(words, '_', ' ');
-  return words;
-}
-
-}  // namespace
-
-std::string axis_label(char axis, std::string_view path, std::string_view meaning, std::string_view unit) {
-  // The symbol of the longest beginning of the path that has one: the rest says which of its numbers.
-  auto of = path;
-  while (!of.empty() && symbol_of(of).empty()) of = of.substr(0, of.find('.') == of.npos ? 0 : of.rfind('.'));
-  auto symbol = symbol_of(of);
-  std::string rest = symbol.empty() ? "" : in_words(path.substr(std::min(of.size() + 1, path.size())));
-  if (symbol.empty()) {
-    const auto table = path.find('.'), key = path.rfind('.');
-    symbol = symbol_of(path.substr(key + 1));
-    const auto between = key > table ? path.substr(table + 1, key - table - 1) : "";
-    if (between.find_first_of("0123456789") != between.npos) rest = in_words(between);
-  }
-  if (const auto index = symbol.find('_'); index != symbol.npos) symbol.insert(index + 1, "{").push_back('}');
-  const std::string name(meaning.substr(0, meaning.find_first_of(",;")));
-  const auto text = fmt::format("{}.'{}'.{}", single_quoted(symbol.empty() ? name : name + ' '), symbol,
-                                single_quoted(column_header(rest.empty() ? "" : ", " + rest, unit)));
-  return fmt::format("{0} font fitted_{1}({0})", text, axis);
-}
-
 Scaled scaled(const std::string& unit, double largest) {
   struct Prefix {
     double size;
@@ -92,7 +46,7 @@ Scaled scaled(const std::string& unit, double largest) {
   return {1, unit};
 }
 
-DrawnRange drawn_range(const std::string& name, const std::string& unit, double low, double high) {
+DrawnRange drawn_range(const std::string& unit, double low, double high) {
   constexpr double hardly = 1e-3;
   const double range = high - low, largest = std::max(std::abs(low), std::abs(high));
   double off = 0;
@@ -102,18 +56,7 @@ DrawnRange drawn_range(const std::string& name, const std::string& unit, double 
   }
   const auto [factor, prefixed] = scaled(unit, std::max(std::abs(low - off), std::abs(high - off)));
   const auto common = off == 0 ? "" : fmt::format(" − {:.10g}{}", off, unit == "1" ? "" : ' ' + unit);
-  return {off, factor, output::label(name + common, prefixed), (low - off) * factor, (high - off) * factor};
-}
-
-std::string DrawnRange::column(int number) const {
-  return off == 0 ? fmt::format("(${}*{})", number, factor) : fmt::format("((${}-{})*{})", number, off, factor);
-}
-
-bool spans_decades(double low, double high) { return low > 0 && high / low > 50; }
-
-std::string axis_scale(char axis, bool decades) {
-  return fmt::format("{0} logscale {1}\nset format {1} '{2}'", decades ? "set" : "unset", axis,
-                     decades ? "10^{%T}" : "%g");
+  return {off, factor, prefixed, common, (low - off) * factor, (high - off) * factor};
 }
 
 namespace {

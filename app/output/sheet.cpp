@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "app/output/gnuplot.hpp"
+#include "app/results/figure.hpp"
 
 namespace rosin::app::output {
 
@@ -43,6 +44,16 @@ std::pair<std::size_t, std::size_t> titles_of(std::string_view script) {
   std::size_t longest = 0;
   for (const auto title : titles) longest = std::max(longest, title.size());
   return {titles.size(), longest};
+}
+
+std::string styles() {
+  std::string text = "# Lines differ in dash as well as in colour: readable in grey and by the colour-blind.\n";
+  for (std::size_t i = 0; i < std::size(results::line_styles); ++i) {
+    const auto& [colour, dash, width] = results::line_styles[i];
+    text += fmt::format("set style line {} linecolor '{}' linewidth {} dashtype {}\n", i + 1, colour, width,
+                        *dash ? fmt::format("({})", dash) : "solid");
+  }
+  return text;
 }
 
 }  // namespace
@@ -112,24 +123,18 @@ if (narrow) {{ set ylabel font sprintf(',%.4g', 0.86*size) }}
 # A font in which a label is no longer than a side of a panel, and a title of the key no wider than a panel.
 fitted(length, part, room) = sprintf(',%.4g', size * (part * length > room ? room / length : part))
 fitted_x(text) = fitted(7.5 * strlen(text), 1., side)
-fitted_y(text) = fitted(7.5 * strlen(text), narrow ? 0.86 : 1., frame)
+fitted_y(text) = fitted(7.5 * strlen(text), narrow ? 0.86 : 1., frame + 20)
 key_font = fitted(7.3 * {longest} + 1, 1., side - 55)
 set key samplen 2.5 spacing 1.1 font key_font
 set grid linetype 1 linecolor '#CCCCCC' linewidth 0.5; unset grid # its look, for pictures that set it
-# Lines differ in dash as well as in colour: readable in grey and by the colour-blind.
-set style line 1 linecolor '#00336F' linewidth 1.8 dashtype solid
-set style line 2 linecolor '#B0560F' linewidth 1.6 dashtype (8,4)
-set style line 3 linecolor '#555555' linewidth 1.2 dashtype (2,3)
-set style line 4 linecolor '#3A8F5C' linewidth 1.6 dashtype (12,3,2,3)
-set style line 5 linecolor '#8A4FA3' linewidth 1.6 dashtype (4,2)
-{set_key}set multiplot layout rows,columns title title_text margins left/wide,1-{right}/wide,below/high,1-above/high spacing {between_columns}/wide,between_rows/high
+{styles}{set_key}set multiplot layout rows,columns title title_text margins left/wide,1-{right}/wide,below/high,1-above/high spacing {between_columns}/wide,between_rows/high
 )",
       fmt::arg("above", l.above), fmt::arg("below", l.below), fmt::arg("key", titles), fmt::arg("longest", longest),
       fmt::arg("above_has_key", key_below ? "0" : "key_rows"), fmt::arg("below_has_key", key_below ? "key_rows" : "0"),
       fmt::arg("rows_below", l.rows_below), fmt::arg("narrow_rows_below", std::max(l.rows_below, l.narrow_rows_below)),
       fmt::arg("between_rows", l.between_rows), fmt::arg("own_titles", l.own_titles),
       fmt::arg("between_columns", l.between_columns), fmt::arg("columns", l.columns), fmt::arg("panels", l.panels),
-      fmt::arg("left", l.left), fmt::arg("right", l.right), fmt::arg("set_key", set_key));
+      fmt::arg("left", l.left), fmt::arg("right", l.right), fmt::arg("set_key", set_key), fmt::arg("styles", styles()));
   // Before the last plot: each of several would draw it again, and bolder.
   if (const auto last = std::max(panels.rfind("\nplot ") + 1, panels.rfind("\nsplot ") + 1); last > 0)
     panels.insert(last,

@@ -1,19 +1,14 @@
 /// Pictures of a motion's spectrum and spectrogram.
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cmath>
 
 #include "analysis/motion/spectrum.hpp"
-#include "app/output/caption.hpp"
-#include "app/output/files.hpp"
-#include "app/output/gnuplot.hpp"
+#include "app/output/figure.hpp"
 #include "app/output/pictures.hpp"
-#include "app/output/sheet.hpp"
-#include "app/scene/scene.hpp"
-#include "core/files.hpp"
+#include "app/output/scene_figure.hpp"
 
 namespace rosin::app::output {
+
+using namespace results;
 
 namespace {
 
@@ -21,72 +16,60 @@ constexpr std::size_t most_spectra = 4;
 constexpr double deepest = 1e-8;  ///< of the largest amplitude, that is drawn
 
 /// From the largest amplitude away from 0 Hz down to the least that is drawn.
-std::pair<double, double> span_of(std::span<const double> amplitude, std::size_t frequencies) {
-  double largest = 0, least = infinity;
+Extent span_of(std::span<const double> amplitude, std::size_t frequencies) {
+  Extent span;
   for (std::size_t i = 0; i < amplitude.size(); ++i)
-    if (i % frequencies != 0) largest = std::max(largest, amplitude[i]), least = std::min(least, amplitude[i]);
-  if (!(largest > 0)) largest = 1;
-  return {std::max(least, deepest * largest), largest};
+    if (i % frequencies != 0) span.include(amplitude[i]);
+  if (!(span.high > 0)) span.high = 1;
+  return {std::max(span.low, deepest * span.high), span.high};
 }
 
 }  // namespace
 
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene& scene,
                                        const analysis::motion::MotionSpectrum& spectrum) {
-  std::vector<Column> table{{"frequency (Hz)", spectrum.frequency}};
-  for (std::size_t c = 0; c < spectrum.names.size(); ++c)
-    table.push_back({column_header(spectrum.names[c], spectrum.units[c]), spectrum.amplitude[c]});
-  write_csv(folder / "spectrum.csv", table);
   const std::size_t panels = std::min(spectrum.names.size(), most_spectra);
-  const Sheet sheet{"spectrum",
-                    "Amplitudes of the columns of a motion over frequency",
-                    {.panels = int(panels), .panel = 180},
-                    scene.title,
-                    caption(scene)};
-  std::string script =
-      fmt::format("set grid\nset logscale y\nset format y '10^{{%T}}'\nset xrange [0:{}]\nset format x ''\n",
-                  spectrum.frequency.back());
-  for (std::size_t c = 0; c < panels; ++c) {
-    if (c + 1 == panels) script += "set format x '%g'\nset xlabel 'frequency (Hz)'\n";
-    const auto [low, high] = span_of(spectrum.amplitude[c], spectrum.frequency.size());
-    script += fmt::format("set yrange [{}:{}]\nset ylabel {}\n", 0.5 * low, 2 * high,
-                          label(readable(spectrum.names[c]), spectrum.units[c]));
-    script += fmt::format("plot 'spectrum.csv' using 1:(${0} > {1} ? ${0} : {1}) with lines linestyle 1 notitle\n",
-                          c + 2, low);
-  }
-  write_whole(folder / "spectrum.gp", sheet.with(std::move(script)));
-  std::vector<std::string> files = {"spectrum.csv", "spectrum.gp"};
-  if (spectrum.part_time.empty()) return files;
-
-  const std::size_t frequencies = spectrum.part_frequency.size();
-  std::vector<double> time, frequency;
+  auto figure = figure_of(scene, "spectrum", "Amplitudes of the columns of a motion over frequency");
+  auto over_time = figure_of(scene, "spectrogram", "Amplitudes of the columns of a motion over frequency and time");
+  figure.height = 180, over_time.height = 200;
+  FigureTable table{"spectrum.csv", {{"frequency (Hz)", spectrum.frequency}}},
+      parts{"spectrogram.csv", {{"time (s)", {}}, {"frequency (Hz)", {}}}};
   for (const double t : spectrum.part_time)
-    for (const double f : spectrum.part_frequency) time.push_back(t), frequency.push_back(f);
-  table = {{"time (s)", time}, {"frequency (Hz)", frequency}};
-  for (std::size_t c = 0; c < spectrum.names.size(); ++c)
-    table.push_back({column_header(spectrum.names[c], spectrum.units[c]), spectrum.part_amplitude[c]});
-  write_csv(folder / "spectrogram.csv", table);
-  const Sheet over_time{"spectrogram",
-                        "Amplitudes of the columns of a motion over frequency and time",
-                        {.panels = int(panels), .panel = 200, .right = 120},
-                        scene.title,
-                        caption(scene)};
-  script =
-      "set palette defined (0 '#00204D', 1 '#00336F', 2 '#39486B', 3 '#575C6D', 4 '#707173', 5 '#8A8779', 6 '#A69D75', "
-      "7 '#C4B56C', 8 '#E4CF5B', 9 '#FFEA46')\nset logscale cb\nset format cb '10^{%T}'\nset ylabel 'frequency "
-      "(Hz)'\nset format x ''\n";
-  script += fmt::format("set yrange [0:{}]\nset xrange [{}:{}]\n", spectrum.part_frequency.back(),
-                        spectrum.part_time.front(), spectrum.part_time.back());
-  for (std::size_t c = 0; c < panels; ++c) {
-    if (c + 1 == panels) script += "set format x '%g'\nset xlabel 'time t (s)'\n";
-    const auto [low, high] = span_of(spectrum.part_amplitude[c], frequencies);
-    script += fmt::format("set cbrange [{}:{}]\nset cblabel {}\n", low, high,
-                          label(readable(spectrum.names[c]), spectrum.units[c]));
-    script += fmt::format("plot 'spectrogram.csv' using 1:2:(${0} > {1} ? ${0} : {1}) skip 1 with image notitle\n",
-                          c + 3, low);
+    for (const double f : spectrum.part_frequency)
+      parts.columns[0].values.push_back(t), parts.columns[1].values.push_back(f);
+  auto frequency = axis_of("frequency", "Hz");
+  frequency.from = 0, frequency.to = spectrum.frequency.back();
+  for (std::size_t c = 0; c < spectrum.names.size(); ++c) {
+    const auto column = axis_of(spectrum.names[c], spectrum.units[c]);
+    table.columns.push_back(column_of(spectrum.names[c], spectrum.units[c], spectrum.amplitude[c]));
+    if (c < panels) {
+      const auto [low, high] = span_of(spectrum.amplitude[c], spectrum.frequency.size());
+      auto amplitude = column;
+      amplitude.decades = true, amplitude.from = 0.5 * low, amplitude.to = 2 * high;
+      figure.panels.push_back({.x = frequency,
+                               .y = amplitude,
+                               .lines = {{.table = table.file, .y = {.column = int(c) + 2, .least = low}}}});
+    }
+    if (spectrum.part_time.empty()) continue;
+    parts.columns.push_back(column_of(spectrum.names[c], spectrum.units[c], spectrum.part_amplitude[c]));
+    if (c < panels) {
+      const auto [low, high] = span_of(spectrum.part_amplitude[c], spectrum.part_frequency.size());
+      auto time = axis_of("time", "s"), along = frequency, amplitude = column;
+      time.from = spectrum.part_time.front(), time.to = spectrum.part_time.back();
+      along.to = spectrum.part_frequency.back();
+      amplitude.decades = true, amplitude.from = low, amplitude.to = high;
+      over_time.panels.push_back(
+          {.x = time,
+           .y = along,
+           .lines = {{.table = parts.file, .how = How::image, .z = {.column = int(c) + 3, .least = low}}},
+           .colours = ColourScale{amplitude}});
+    }
   }
-  write_whole(folder / "spectrogram.gp", over_time.with(std::move(script)));
-  files.insert(files.end(), {"spectrogram.csv", "spectrogram.gp"});
+  figure.tables = {std::move(table)};
+  auto files = write(folder, figure);
+  if (spectrum.part_time.empty()) return files;
+  over_time.tables = {std::move(parts)};
+  for (auto& file : write(folder, over_time)) files.push_back(std::move(file));
   return files;
 }
 

@@ -6,8 +6,8 @@
 
 #include "analysis/inference/wider_law.hpp"
 #include "app/output/digits.hpp"
-#include "app/output/gnuplot.hpp"
-#include "app/output/sheet.hpp"
+#include "app/output/figure.hpp"
+#include "app/output/scene_figure.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
 #include "app/verbs/fit_scene.hpp"
@@ -287,99 +287,70 @@ std::vector<std::pair<std::string, std::string>> rows_of_table(const scene::Scen
 
 /// Data, fits and residuals over the same axis, measurement by measurement, above the parameters of the laws.
 /// \param over_displacement each of those that are series in time, and no others
-void write_picture(const fs::path& folder, const std::string& name, const scene::Scene& scene,
-                   const std::vector<analysis::inference::Fit>& fits, const std::vector<std::size_t>& shown,
-                   bool over_displacement) {
+std::vector<std::string> write_picture(const fs::path& folder, const std::string& name, const scene::Scene& scene,
+                                       const std::vector<analysis::inference::Fit>& fits,
+                                       const std::vector<std::size_t>& shown, bool over_displacement) {
   auto& asked = scene.task<tasks::Fit>();
   std::vector<std::pair<std::size_t, Abscissa>> data;
   for (std::size_t d = 0; d < asked.data.size(); ++d) {
     auto over = over_displacement ? displacement_of(asked.data[d]) : own_abscissa(asked.data[d]);
     if (!over.values.empty()) data.emplace_back(d, std::move(over));
   }
-  constexpr double above = 26, curve = 230, gap = 24, residual = 120, below = 74, line = 19;  // pixels
-  const auto rows = rows_of_table(scene, fits, shown);
-  const double table = line * double(rows.size());
-  const output::Sheet sheet{name,
-                            "Data, fits, and residuals over their standard errors",
-                            {.width = 760,
-                             .panels = int(data.size()),
-                             .panel = curve + gap + residual,
-                             .above = above,
-                             .below = below + table,
-                             .between_rows = below + above},
-                            scene.title,
-                            fmt::format("in brackets: {:.3g} % intervals", 100 * asked.options.confidence)};
-  std::string script = fmt::format(
-      "set grid\nset lmargin at screen 85/wide\nset rmargin at screen 1-25/wide\n"
-      "part = frame / {}\n",
-      curve + gap + residual);
-  std::size_t longest = 0;
-  for (const auto& [name, value] : rows) longest = std::max(longest, name.size());
-  script += fmt::format("beside = 35 + {} * (narrow ? 5.7 : 7.5)\n", longest);
-  double y = line * 0.7;
-  for (std::size_t i = rows.size(); i-- > 0; y += line) {
-    const auto at = fmt::format("wide,(below_rows+{})/high font narrow ? small : font", y);
-    script +=
-        fmt::format("set label {} {} at screen 20/{}\nset label {} {} at screen beside/{}\n", 2 * i + 1,
-                    output::single_quoted(rows[i].first), at, 2 * i + 2, output::single_quoted(rows[i].second), at);
-  }
-  constexpr const char* colours[] = {"#00336F", "#B0560F", "#3A8F5C", "#8A4FA3"};
-  constexpr const char* dashes[] = {"solid", "(8,4)", "(12,3,2,3)", "(4,2)"};
-  // The upper edge of a frame that begins so many pixels of the wide sheet below that of the panel.
-  const auto edge = [](double pixels) { return fmt::format("(top-part*{})/high", pixels); };
-  script += "top = high - above\n";
+  auto figure = output::figure_of(scene, name, "Data, fits, and residuals over their standard errors");
+  figure.width = 760;
+  figure.caption = fmt::format("in brackets: {:.3g} % intervals", 100 * asked.options.confidence);
+  figure.rows = rows_of_table(scene, fits, shown);
   for (const auto& [d, over] : data) {
     const auto& m = asked.data[d];
-    const auto curves = fmt::format(curve_file, d + 1), standardised = fmt::format(residual_file, d + 1);
+    const auto curves = fmt::format(curve_file, d + 1);
     const auto parts = parts_of(m);
     const auto [low, high] = std::ranges::minmax(over.values);
-    const auto [lowest, highest] = std::ranges::minmax(m.y);
-    const auto shown_y = m.kind == Measurement::Kind::motion  // in a unit that keeps ticks short
-                             ? output::drawn_range(output::readable(m.column), m.unit, lowest, highest)
-                             : output::DrawnRange{0, 1, output::single_quoted(ordinate(m)), lowest, highest};
-    const std::size_t others_shown = shown.size() - (std::ranges::find(shown, 0u) != shown.end() ? 1 : 0);
-    const auto x = over.last ? 2 + 4 * parts.size() + others_shown * parts.size() : 1;
-    const char* smooth = over.last ? "" : "smooth unique ";  // a path may come back to where it was
-    script += fmt::format(
-        "{} logscale x\nset xrange [{}:{}]\nset label 999 {} at graph 0,1 offset 0,0.8\nset tmargin at "
-        "screen {}\n"
-        "set bmargin at screen {}\nset format x ''\nunset xlabel\nset ylabel {}\nset ytics autofreq\n"
-        "plot ",
-        !m.series() && low > 0 && high / low > 20 ? "set" : "unset", low, high, output::single_quoted(m.name), edge(0),
-        edge(curve), shown_y.label);
-    std::string plots;
-    for (std::size_t part = 0; part < parts.size(); ++part)
-      plots +=
-          fmt::format("{}'{}' using {}:{} with points pointtype {} pointsize 0.5 linecolor '#888888' title '{}data'",
-                      part > 0 ? ", \\\n     " : "", curves, x, shown_y.column(int(2 + 4 * part)), part == 0 ? 7 : 6,
-                      parts[part].name);
-    std::size_t others = 2 + 4 * parts.size();
+    const int others_shown = int(shown.size()) - (std::ranges::find(shown, 0u) != shown.end() ? 1 : 0),
+              count = int(parts.size());
+    results::Panel above{.x = {.name = over.name,
+                               .decades = !m.series() && low > 0 && high / low > 20,
+                               .shown = {low, high},
+                               .from = low,
+                               .to = high},
+                         .y = {.name = ordinate(m)},
+                         .title = m.name,
+                         .height = 230};
+    if (m.kind == Measurement::Kind::motion)  // in a unit that keeps ticks short
+      above.y = output::axis_of(m.column, m.unit, results::Extent::of(m.y));
+    const results::Cell x{over.last ? 2 + (4 + others_shown) * count : 1};
+    for (int part = 0; part < count; ++part)
+      above.lines.push_back(
+          {.table = curves,
+           .x = x,
+           .y = {2 + 4 * part},
+           .how = results::How::points,
+           .look = {.colour = "#888888", .point = part == 0 ? results::Point::dot : results::Point::circle},
+           .title = parts[std::size_t(part)].name + "data"});
+    int others = 2 + 4 * count;
     for (std::size_t k = 0; k < shown.size(); ++k)
-      for (std::size_t part = 0; part < parts.size(); ++part) {
-        const auto column = shown[k] == 0 ? 3 + 4 * part : others++;
-        plots +=
-            fmt::format(", \\\n     '{}' using {}:{} {}with lines linewidth 1.8 dashtype {} linecolor '{}' title {}",
-                        curves, x, shown_y.column(int(column)), smooth, dashes[k], colours[k],
-                        part == 0 ? output::single_quoted(asked.candidates[shown[k]].name) : "''");
-      }
-    double least = -2, most = 2;
+      for (int part = 0; part < count; ++part)
+        above.lines.push_back({.table = curves,
+                               .x = x,
+                               .y = {shown[k] == 0 ? 3 + 4 * part : others++},
+                               .look = {.style = results::style_of(k), .width = 1.8},
+                               .title = asked.candidates[shown[k]].name,
+                               .sorted = !over.last});  // a path may come back to where it was
+    results::Panel below{.x = above.x, .y = {.name = "residual / error", .shown = {-2, 2}}, .height = 120};
     for (const auto k : shown)
-      for (const double r : fits[k].measurements[d].residuals) least = std::min(least, r), most = std::max(most, r);
-    script += plots + '\n';
-    for (std::size_t i = 0; d == data.front().first && i < 2 * rows.size(); ++i)
-      script += fmt::format("unset label {}\n", i + 1);  // each plot would draw them again, and bolder
-    script += fmt::format(
-        "unset label 999\nunset key\nset tmargin at screen {}\nset bmargin at screen {}\nset format x "
-        "'%g'\nset xlabel '{}'\nset ylabel 'residual / error'\nset ytics {}\nplot ",
-        edge(curve + gap), edge(curve + gap + residual), over.name, output::tick_step(least, most));
+      for (const double r : fits[k].measurements[d].residuals) below.y.shown.include(r);
+    constexpr results::Point points[] = {results::Point::dot, results::Point::open_square, results::Point::circle,
+                                         results::Point::open_up};
     for (std::size_t k = 0; k < shown.size(); ++k)
-      script += fmt::format("{}'{}' using {}:{} with points pointtype {} pointsize 0.5 linecolor '{}'",
-                            k > 0 ? ", \\\n     " : "", standardised, over.last ? shown.size() + 2 : 1, k + 2,
-                            k == 0 ? 7 : 2 + 2 * int(k), colours[k]);
-    script += ", 2 with lines linecolor '#555555' dashtype (2,3), -2 with lines linecolor '#555555' dashtype (2,3)\n";
-    script += fmt::format("top = top - frame - {}\n", below + above);
+      below.lines.push_back({.table = fmt::format(residual_file, d + 1),
+                             .x = {over.last ? int(shown.size()) + 2 : 1},
+                             .y = {int(k) + 2},
+                             .how = results::How::points,
+                             .look = {.style = results::style_of(k), .point = points[k]}});
+    for (const double at : {-2., 2.}) below.rules.push_back({'y', at, {.style = results::reference_style}});
+    figure.panels.push_back(std::move(above));
+    figure.panels.push_back(std::move(below));
   }
-  write_whole(folder / (name + ".gp"), sheet.with(std::move(script)));
+  return output::write(folder, figure);
 }
 
 /// Adds the tables of all measurements. \returns the pictures of them
@@ -398,10 +369,11 @@ std::vector<std::string> add_tables_and_pictures(const fs::path& folder, results
     result.tables.push_back(residuals_of(scene, fits, shown, d));
   }
   result.tables.push_back(correlation_of(fits.front()));
-  write_picture(folder, "fit", scene, fits, shown, false);
-  if (std::ranges::all_of(data, [](const auto& m) { return displacement_of(m).values.empty(); })) return {"fit.gp"};
-  write_picture(folder, "fit-displacement", scene, fits, shown, true);
-  return {"fit.gp", "fit-displacement.gp"};
+  auto files = write_picture(folder, "fit", scene, fits, shown, false);
+  if (std::ranges::any_of(data, [](const auto& m) { return !displacement_of(m).values.empty(); }))
+    for (auto& file : write_picture(folder, "fit-displacement", scene, fits, shown, true))
+      files.push_back(std::move(file));
+  return files;
 }
 
 /// A fit that fails because b would have to be negative says so, and which law allows it.

@@ -6,9 +6,8 @@
 #include <optional>
 
 #include "analysis/response/interval_means.hpp"
-#include "app/output/caption.hpp"
-#include "app/output/gnuplot.hpp"
-#include "app/output/sheet.hpp"
+#include "app/output/figure.hpp"
+#include "app/output/scene_figure.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/record.hpp"
 #include "app/scene/scene.hpp"
@@ -190,99 +189,112 @@ struct Line {
   const std::vector<Complex>* response;
 };
 
-/// Ticks along the real part of responses that do not collide.
-std::string real_ticks(const std::vector<const std::vector<Complex>*>& responses) {
-  double low = infinity, high = -infinity;
-  for (const auto* response : responses)
-    for (const auto& z : *response) low = std::min(low, z.real()), high = std::max(high, z.real());
-  return fmt::format("set xtics {:g}\n", output::tick_step(low, high));
+results::Axis axis(std::string name, std::string unit, results::Extent shown = {}) {
+  return {.name = std::move(name), .unit = std::move(unit), .shown = shown};
 }
 
-/// Magnitude, phase, real and imaginary part, and the path in the complex plane.
-void write_script(const fs::path& folder, const scene::Scene& scene, const std::vector<Line>& lines) {
-  constexpr const char* colours[] = {"#00336F", "#B0560F", "#3A8F5C", "#8A4FA3", "#C4A000", "#555555", "#D1495B"};
-  constexpr const char* dashes[] = {"solid", "(8,4)", "(2,3)", "(12,3,2,3)", "(4,2)"};
-  const auto& f = scene.task<tasks::Frf>().options.frequencies;
-  const bool decades = f.back() / f.front() > 20;
-  const output::Sheet sheet{"frf",
-                            "Friction frequency response: magnitude, phase, parts, and the complex plane",
-                            {.width = 1000, .panels = 4, .columns = 2, .panel = 250, .between_rows = 75},
-                            scene.title,
-                            output::caption(scene)};
-  std::string script = "set grid\nset xlabel 'frequency f (Hz)'\nset key off\n";
-  if (decades) script += "set logscale x\n";
-  script += fmt::format("set xrange [{}:{}]\n", f.front(), f.back());
-  const auto panel = [&](std::string_view y_label, const char* columns, std::string_view settings) {
-    script += fmt::format("{}set ylabel '{}'\nplot ", settings, y_label);
-    for (std::size_t i = 0; i < lines.size(); ++i)
-      script += fmt::format("{}'{}' using {} with lines linewidth 1.7 linecolor '{}' dashtype {} title {}",
-                            i > 0 ? ", \\\n     " : "", lines[i].file, columns, colours[i % std::size(colours)],
-                            dashes[i % std::size(dashes)], output::single_quoted(lines[i].title));
-    script += '\n';
-  };
-  if (std::ranges::any_of(lines, [](const auto& line) { return answers(*line.response); }))  // else no logarithmic axis
-    panel("magnitude |Z| (N s/m)", "1:($4 > 0 ? $4 : NaN)", "set logscale y\n");
-  else
-    panel("magnitude |Z| (N s/m)", "1:4", "set yrange [-1:1]\n");
-  panel("phase arg Z (degree)", "1:5",
-        "unset logscale y\nset yrange [*:*]\nset offsets 0, 0, graph 0.05, graph 0.05\n");
-  panel("real part Re Z (N s/m)", "1:2", "set xzeroaxis linecolor '#555555'\nset key on\n");
+results::Axis frequencies(const std::vector<double>& f) {
+  auto over = axis("frequency f", "Hz");
+  over.from = f.front(), over.to = f.back();
+  over.decades = f.back() / f.front() > 20;
+  return over;
+}
+
+/// Magnitude, phase, real and imaginary part over frequency, and the path in the complex plane: of tables whose columns
+/// 1 to 5 are frequency, real and imaginary part, magnitude and phase.
+std::vector<results::Panel> response_panels(const results::Axis& over,
+                                            const std::vector<const std::vector<Complex>*>& responses) {
+  auto real = axis("real part Re Z", "N s/m"), imaginary = axis("imaginary part Im Z", "N s/m");
+  for (const auto* response : responses)
+    for (const auto& z : *response) real.shown.include(z.real()), imaginary.shown.include(z.imag());
+  real.zero = imaginary.zero = true;
+  auto along = real;
+  along.before = along.after = 0.05;
+  return {{.x = over, .y = axis("magnitude |Z|", "N s/m")},
+          {.x = over, .y = axis("phase arg Z", "degree")},
+          {.x = over, .y = real},
+          {.x = over, .y = imaginary},
+          {.x = along, .y = imaginary}};
+}
+constexpr int column_of_panel[] = {4, 5, 2, 3, 3};  ///< of those tables
+
+/// \returns the names of the files
+std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
+                                       const std::vector<Line>& lines) {
   std::vector<const std::vector<Complex>*> responses;
   for (const auto& line : lines) responses.push_back(line.response);
-  panel("imaginary part Im Z (N s/m)", "2:3",
-        real_ticks(responses) +
-            "set key off\nunset logscale x\nset xrange [*:*]\nset xlabel 'real part Re Z (N s/m)'\nset yzeroaxis "
-            "linecolor "
-            "'#555555'\nset offsets graph 0.05, graph 0.05, graph 0.05, graph 0.05\n");
-  write_whole(folder / "frf.gp", sheet.with(std::move(script)));
+  auto figure =
+      output::figure_of(scene, "frf", "Friction frequency response: magnitude, phase, parts, and the complex plane");
+  figure.width = 1000, figure.columns = 2, figure.height = 250;
+  figure.panels = response_panels(frequencies(scene.task<tasks::Frf>().options.frequencies), responses);
+  for (std::size_t p = 0; p < figure.panels.size(); ++p)
+    for (std::size_t k = 0; k < lines.size(); ++k)
+      figure.panels[p].lines.push_back({.table = lines[k].file,
+                                        .x = {p == 4 ? 2 : 1},
+                                        .y = {column_of_panel[p]},
+                                        .look = {.style = results::style_of(k)},
+                                        .title = lines[k].title});
+  auto& magnitude = figure.panels.front();
+  // Where no magnitude is above 0, a logarithmic axis has nothing to show.
+  magnitude.y.decades = std::ranges::any_of(lines, [](const auto& line) { return answers(*line.response); });
+  if (magnitude.y.decades)
+    for (auto& line : magnitude.lines) line.where = {{4, '>', 0}};
+  else
+    magnitude.y.from = -1, magnitude.y.to = 1;
+  figure.panels.erase(figure.panels.begin() + 3);  // the imaginary part stands over the real one
+  return output::write(folder, figure);
 }
 
 /// Measured points with bands of two standard errors, the prediction as a line, and the coherence.
-void write_measured_script(const fs::path& folder, const scene::Scene& scene,
-                           const analysis::response::MeasuredFrf& measured, bool predicted) {
-  const auto& f = measured.frequency;
-  const output::Sheet sheet{
-      "frf",
-      "Friction frequency response as measured, with bands of two standard errors, and as predicted",
-      {.width = 1000, .panels = 6, .columns = 2, .panel = 215, .between_rows = 75},
-      scene.title,
-      output::caption(scene)};
-  std::string script = fmt::format(
-      "set grid\nset xlabel 'frequency f (Hz)'\n"
-      "set xrange [{}:{}]\nset style fill solid 0.3 noborder\n",
-      f.front(), f.back());
-  if (f.back() / f.front() > 20) script += "set logscale x\n";
-  const auto panel = [&](std::string_view y_label, const char* value, const char* error, const char* column,
-                         std::string_view settings) {
-    script += fmt::format(
-        "{}set ylabel '{}'\nplot 'frf.csv' using 1:({}-2*{}):({}+2*{}) with filledcurves linecolor "
-        "'#7FA3D1' title '95 % band', \\\n     '' using 1:{} with lines linewidth 1 linecolor "
-        "'#00336F' title 'measured'",
-        settings, y_label, value, error, value, error, column);
+/// \returns the names of the files
+std::vector<std::string> write_measured_picture(const fs::path& folder, const scene::Scene& scene,
+                                                const analysis::response::MeasuredFrf& measured, bool predicted) {
+  auto figure = output::figure_of(
+      scene, "frf", "Friction frequency response as measured, with bands of two standard errors, and as predicted");
+  figure.width = 1000, figure.columns = 2, figure.height = 215;
+  const auto over = frequencies(measured.frequency);
+  figure.panels = response_panels(over, {&measured.tangential});
+  results::FigureTable bands{"frf-bands.csv", {{"frequency (Hz)", measured.frequency}}};
+  const auto& z = measured.tangential;
+  const std::pair<const char*, std::vector<double>> shown[] = {
+      {"magnitude", parts(z, [](const Complex& one) { return std::abs(one); })},
+      {"phase", phase(z)},
+      {"real", parts(z, [](const Complex& one) { return one.real(); })},
+      {"imaginary", parts(z, [](const Complex& one) { return one.imag(); })}};
+  for (const auto& [name, values] : shown)
+    for (const double side : {-2.0, 2.0}) {
+      auto edge = values;
+      for (std::size_t i = 0; i < edge.size(); ++i)
+        edge[i] += side * measured.standard_error[i] *
+                   (name == std::string("phase") ? 180 / std::numbers::pi / std::abs(z[i]) : 1);
+      bands.columns.push_back({std::string(name) + (side < 0 ? "_low" : "_high"), std::move(edge)});
+    }
+  for (std::size_t p = 0; p < figure.panels.size(); ++p) {
+    const int x = p == 4 ? 2 : 1, low = int(2 * p) + 2, y = column_of_panel[p];
+    auto& lines = figure.panels[p].lines;
+    if (p < 4)
+      lines.push_back({.table = bands.file,
+                       .how = results::How::band,
+                       .look = {.colour = "#C8D6EA"},
+                       .title = "95 % band",
+                       .low = {low},
+                       .high = {low + 1}});
+    lines.push_back({.table = "frf.csv",
+                     .x = {x},
+                     .y = {y},
+                     .how = p < 4 ? results::How::line : results::How::points,
+                     .look = {.width = 1, .size = 0.3},
+                     .title = "measured"});
     if (predicted)
-      script += fmt::format(
-          ", \\\n     'frf-predicted.csv' using 1:{} with lines linewidth 2 linecolor '#B0560F' "
-          "dashtype (8,4) title 'predicted'",
-          column);
-    script += '\n';
-  };
-  const char* angle = "($6/$4*57.3)";
-  panel("magnitude |Z| (N s/m)", "$4", "$6", "4", "");
-  panel("phase arg Z (degree)", "$5", angle, "5", "set key off\n");
-  panel("real part Re Z (N s/m)", "$2", "$6", "2", "set xzeroaxis linecolor '#555555'\n");
-  panel("imaginary part Im Z (N s/m)", "$3", "$6", "3", "");
-  script += real_ticks({&measured.tangential}) +
-            "unset logscale x\nset xrange [*:*]\nset xlabel 'real part Re Z (N s/m)'\nset yzeroaxis linecolor "
-            "'#555555'\nset ylabel 'imaginary part Im Z (N s/m)'\nplot 'frf.csv' using 2:3 with points pointtype 7 "
-            "pointsize 0.3 linecolor '#00336F' title 'measured'";
-  if (predicted)
-    script +=
-        ", 'frf-predicted.csv' using 2:3 with lines linewidth 2 linecolor '#B0560F' dashtype (8,4) title 'predicted'";
-  script += fmt::format(
-      "\nset xtics autofreq\nset xlabel 'frequency f (Hz)'\nset ylabel 'coherence'\nset xrange [{}:{}]\nset yrange "
-      "[0:1.02]\n{}plot 'frf.csv' using 1:7 with lines linewidth 1.2 linecolor '#00336F' notitle\n",
-      f.front(), f.back(), f.back() / f.front() > 20 ? "set logscale x\n" : "");
-  write_whole(folder / "frf.gp", sheet.with(std::move(script)));
+      lines.push_back(
+          {.table = "frf-predicted.csv", .x = {x}, .y = {y}, .look = {.style = 1, .width = 2}, .title = "predicted"});
+  }
+  auto coherence = axis("coherence", "1");
+  coherence.from = 0, coherence.to = 1.02;
+  figure.panels.push_back(
+      {.x = over, .y = coherence, .lines = {{.table = "frf.csv", .y = {7}, .look = {.width = 1.2}}}});
+  figure.tables = {std::move(bands)};
+  return output::write(folder, figure);
 }
 
 /// Writes what was measured, by whatever means, beside what is predicted.
@@ -319,8 +331,8 @@ Status finish_measured(Job& job, const analysis::response::MeasuredFrf& measured
     job.say("within three standard errors of the prediction at {:.3g} % of the frequencies",
             100.0 * double(near) / double(predicted.size()));
 
-  write_measured_script(job.folder(), scene, measured, !predicted.empty());
-  files.emplace_back("frf.gp");
+  for (auto& file : write_measured_picture(job.folder(), scene, measured, !predicted.empty()))
+    files.push_back(std::move(file));
   auto result = result_of(job, measured, predicted);
   result.tables.insert(result.tables.begin(), table_of("frf", measured.frequency, measured.tangential));
   auto& columns = result.tables.front().columns;
@@ -489,9 +501,9 @@ Status simulate_sweep(Job& job) {
                    table_of("frf-predicted", options.frequencies, predicted)};
   std::vector<std::string> files;
   if (options.frequencies.size() > 1) {
-    write_script(job.folder(), scene,
-                 {{"frf.csv", "simulated", &swept.tangential}, {"frf-predicted.csv", "predicted", &predicted}});
-    files.emplace_back("frf.gp");
+    files =
+        write_picture(job.folder(), scene,
+                      {{"frf.csv", "simulated", &swept.tangential}, {"frf-predicted.csv", "predicted", &predicted}});
   }
   return job.finish(result, std::move(files));
 }
@@ -587,8 +599,7 @@ Status perform_frf(Job& job) {
   if (lines.empty()) lines.push_back({"frf.csv", "predicted", &curve.tangential});
   std::vector<std::string> files;
   if (frf.options.frequencies.size() > 1) {  // one frequency is no line
-    write_script(job.folder(), scene, lines);
-    files.emplace_back("frf.gp");
+    files = write_picture(job.folder(), scene, lines);
   }
   add_receptance(job, result);
   add_stability(job, result, files);

@@ -3,9 +3,8 @@
 
 #include <numbers>
 
-#include "app/output/caption.hpp"
-#include "app/output/gnuplot.hpp"
-#include "app/output/sheet.hpp"
+#include "app/output/figure.hpp"
+#include "app/output/scene_figure.hpp"
 #include "app/tasks/frf.hpp"
 #include "core/files.hpp"
 #include "core/random.hpp"
@@ -27,21 +26,22 @@ struct Verdict {
 };
 
 /// "174 Hz" of each mode where the loop passes it, away from the origin.
-std::string marks_of(const std::vector<double>& modes, const std::vector<double>& frequency,
-                     const std::vector<Complex>& loop) {
-  std::string script;
+std::vector<results::Mark> marks_of(const std::vector<double>& modes, const std::vector<double>& frequency,
+                                    const std::vector<Complex>& loop) {
+  std::vector<results::Mark> marks;
   for (const double mode : modes) {
     const auto above = std::ranges::upper_bound(frequency, mode);
     if (above == frequency.begin() || above == frequency.end()) continue;
     const auto k = std::size_t(above - frequency.begin());
     const double part = (mode - frequency[k - 1]) / (frequency[k] - frequency[k - 1]);
     const Complex at = loop[k - 1] + part * (loop[k] - loop[k - 1]);
-    script += fmt::format(
-        "set label '{:.4g} Hz' at {:g},{:g} {} offset {},{:.2f} point pointtype 7 pointsize 0.7 linecolor '#00336F'\n",
-        mode, at.real(), at.imag(), at.real() < 0 ? "right" : "left", at.real() < 0 ? -0.7 : 0.7,
-        std::copysign(0.8, at.imag()));
+    marks.push_back({at.real(),
+                     at.imag(),
+                     fmt::format("{:.4g} Hz", mode),
+                     at.real() < 0 ? results::Side::left : results::Side::right,
+                     {.size = 0.7}});
   }
-  return script;
+  return marks;
 }
 
 /// The loop iω Z H in the complex plane with the modes along it, the verdict, and the distance to −1 along frequency.
@@ -56,39 +56,38 @@ void draw_loop(Job& job, const std::vector<double>& frequency, const std::vector
       "loop",
       {{{"frequency", "Hz"}, frequency}, {{"real"}, real}, {{"imaginary"}, imaginary}, {{"distance"}, distance}}));
   if (frequency.size() < 2) return;  // no line
-  const output::Sheet sheet{"loop",
-                            "Nyquist's plot of the loop of friction and structure",
-                            {.width = 1000,
-                             .panels = 2,
-                             .columns = 2,
-                             .panel = 350,
-                             .above = 46,
-                             .between_rows = 100,
-                             .key = output::Layout::Key::own},
-                            job.scene().title.empty() ? verdict.text : job.scene().title + ": " + verdict.text,
-                            output::caption(job.scene())};
-  std::string script = "set grid\nset key at graph 1,1.02 right bottom horizontal\n";
-  script += marks_of(verdict.modes, frequency, loop);
-  script +=
-      "set xlabel 'real part of the loop iω Z H'\nset ylabel 'imaginary part of the loop'\nset xzeroaxis\nset "
-      "yzeroaxis\nset offsets graph 0.1, graph 0.1, graph 0.06, graph 0.06\n"
-      "plot 'loop.csv' using 2:3 with lines linewidth 1.7 linecolor '#00336F' title 'loop, modes along it', '+' using "
-      "(-1):(0) every ::0::0 with points pointtype 7 pointsize 1.2 linecolor '#B0560F' title 'critical point −1'\n"
-      "unset label\nunset offsets\nset xlabel 'frequency (Hz)'\nset ylabel 'distance to the critical point'\nset "
-      "logscale y\n";
-  if (frequency.back() > 20 * frequency.front()) script += "set logscale x\n";
+  auto figure = output::figure_of(job.scene(), "loop", "Nyquist's plot of the loop of friction and structure");
+  figure.title += figure.title.empty() ? verdict.text : ": " + verdict.text;
+  figure.width = 1000, figure.columns = 2, figure.height = 350, figure.key = results::Key::own;
+  results::Panel plane{
+      .x = {.name = "real part of the loop iω Z H",
+            .shown = results::Extent::of(real),
+            .before = 0.1,
+            .after = 0.1,
+            .zero = true},
+      .y = {.name = "imaginary part of the loop", .shown = results::Extent::of(imaginary), .zero = true},
+      .lines = {{.table = "loop.csv", .x = {2}, .y = {3}, .title = "loop, modes along it"}},
+      .marks = marks_of(verdict.modes, frequency, loop)};
+  plane.marks.push_back({-1, 0, "", results::Side::none, {.style = 1, .size = 1.2}, true, "critical point −1"});
   const auto [nearest, farthest] = std::ranges::minmax(distance);
-  script += fmt::format(
-      "set xrange [{}:{}]\nset yrange [{:g}:{:g}]\nplot 'loop.csv' using 1:4 with lines linewidth 1.7 "
-      "linecolor '#00336F' notitle",
-      frequency.front(), frequency.back(), nearest / 1.5, farthest * 1.5);
+  results::Panel along{
+      .x = {.name = "frequency",
+            .unit = "Hz",
+            .decades = frequency.back() > 20 * frequency.front(),
+            .from = frequency.front(),
+            .to = frequency.back()},
+      .y = {.name = "distance to the critical point", .decades = true, .from = nearest / 1.5, .to = farthest * 1.5},
+      .lines = {{.table = "loop.csv", .y = {4}}}};
   if (std::isfinite(verdict.margin))
-    script += fmt::format(
-        ", '+' using ({:g}):({:g}) every ::0::0 with points pointtype 7 pointsize 1.0 linecolor "
-        "'#B0560F' title 'margin {:.3g} at {:.4g} Hz'",
-        verdict.margin_frequency, verdict.margin, verdict.margin, verdict.margin_frequency);
-  write_whole(job.folder() / "loop.gp", sheet.with(script + '\n'));
-  files.emplace_back("loop.gp");
+    along.marks = {{verdict.margin_frequency,
+                    verdict.margin,
+                    "",
+                    results::Side::none,
+                    {.style = 1, .size = 1},
+                    true,
+                    fmt::format("margin {:.3g} at {:.4g} Hz", verdict.margin, verdict.margin_frequency)}};
+  figure.panels = {std::move(plane), std::move(along)};
+  for (auto& file : output::write(job.folder(), figure)) files.push_back(std::move(file));
 }
 
 void add_uncertainty(Job& job, ordered_json& stability, const analysis::response::Uncertainty& spread,

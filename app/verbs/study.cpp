@@ -9,9 +9,9 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <map>
 
-#include "app/output/gnuplot.hpp"
-#include "app/output/sheet.hpp"
+#include "app/output/figure.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
 #include "app/verbs/job.hpp"
@@ -146,153 +146,194 @@ std::vector<double> errors_of(const StudyResult& result, std::size_t a) {
   return errors;
 }
 
+/// Points by which algorithms are told apart.
+constexpr results::Point points[] = {results::Point::open_square, results::Point::circle, results::Point::open_up,
+                                     results::Point::open_down, results::Point::open_diamond};
+results::Look look_of(std::size_t algorithm, double size) {
+  return {.style = results::style_of(algorithm), .point = points[algorithm % std::size(points)], .size = size};
+}
+
+/// The line of a Weibull distribution where it is drawn: straight over logarithmic axes.
+std::vector<std::vector<double>> straight(const Weibull& fit, double low, double high) {
+  std::vector<std::vector<double>> ends;
+  for (const double y : {low, high})
+    ends.push_back({std::abs(fit.characteristic - fit.threshold) * std::pow(y, 1 / fit.shape), y});
+  return ends;
+}
+
 /// Weibull plot, shares, boxes and back-steps.
 std::vector<std::string> write_statistics(const fs::path& folder, const scene::Scene& scene,
                                           const StudyResult& result) {
-  std::string data = "algorithm,error,distance,weibull,share\n";
-  const output::Sheet sheet{
-      "study",
-      "Errors of the force algorithms over random oscillators",
-      {.width = 980, .panels = 4, .columns = 2, .panel = 290, .between_rows = 80, .key = output::Layout::Key::own},
-      scene.title};
-  std::string script = "set grid\n";
-  std::vector<std::string> weibull, lines, shares, boxes, labels;
-  int most_back_steps = 0;
+  results::Figure figure{.name = "study",
+                         .what = "Errors of the force algorithms over random oscillators",
+                         .title = scene.title,
+                         .width = 980,
+                         .columns = 2,
+                         .height = 290,
+                         .key = results::Key::own};
+  const auto axis = [](std::string name, bool decades, double from, double to) {
+    return results::Axis{.name = std::move(name), .decades = decades, .from = from, .to = to};
+  };
+  constexpr double least = 1e-3, most = 10;
+  results::Panel weibull{.x = axis("distance from the threshold, |e − e₀|", true, results::unset, results::unset),
+                         .y = axis("−ln R, R the share of cases above e", true, least, most),
+                         .key = "top left"},
+      shares{.x = axis("error e, slip rate in stick over 0.001 average speed", true, 1e-6, 10),
+             .y = axis("share of cases below (%)", false, 0, 100),
+             .key = "top left"},
+      boxes{.x = axis("", false, 0.3, 0), .y = axis("error e", true, 1e-7, 10)},
+      back{.x = axis("steps back at the first stick", false, -0.5, 9.5),
+           .y = axis("cases", false, 0, results::unset),
+           .key = "top right"};
+  results::FigureTable data{"study-errors.csv",
+                            {{"algorithm", {}}, {"error", {}}, {"distance", {}}, {"weibull", {}}, {"share", {}}}},
+      steps{"study-back-steps.csv", {{"steps", {}}}};
+  for (int n = 0; n < 10; ++n) {
+    steps.columns[0].values.push_back(n);
+    back.x.ticks.push_back({double(n), n < 9 ? fmt::format("{}", n) : "9+"});
+  }
+  std::vector<results::Line> lines;
   for (std::size_t a = 0; a < result.algorithms.size(); ++a) {
     const auto& found = result.algorithms[a];
+    const std::vector<double> counts(found.back_steps.begin(), found.back_steps.end());
+    steps.columns.push_back({found.name, counts});
+    if (std::any_of(counts.begin() + 1, counts.end(), [](double n) { return n > 0; }))
+      back.lines.push_back({.table = steps.file,
+                            .y = {int(a) + 2},
+                            .how = results::How::bars,
+                            .look = look_of(a, 0),
+                            .title = found.name});
     const auto errors = errors_of(result, a);
     if (errors.empty()) continue;
     const double threshold =
         found.name == "o-fbfm" ? scene.task<analysis::studies::StudyOptions>().window_threshold : 0;
     for (std::size_t i = 0; i < errors.size(); ++i) {
       const double p = (double(i) + 0.7) / (double(errors.size()) + 0.4);
-      data += fmt::format("{},{},{},{},{}\n", a, errors[i], std::abs(errors[i] - threshold), -std::log1p(-p), 100 * p);
+      const double row[] = {double(a), errors[i], std::abs(errors[i] - threshold), -std::log1p(-p), 100 * p};
+      for (std::size_t c = 0; c < std::size(row); ++c) data.columns[c].values.push_back(row[c]);
     }
-    const int style = static_cast<int>(a % 5) + 1;
-    const auto title = output::single_quoted(found.name);
-    const auto of = [&](int column) { return fmt::format("'study-errors.csv' using ($1=={}?${}:NaN)", a, column); };
-    weibull.push_back(fmt::format("{}:4 with points linestyle {} pointtype {} pointsize 0.5 title {}", of(3), style,
-                                  4 + 2 * a, title));
-    if (found.weibull) {
-      const auto& fit = found.weibull->likelihood.fit;
-      lines.push_back(fmt::format("(x/{})**({}) with lines linestyle {} notitle",
-                                  std::abs(fit.characteristic - fit.threshold), fit.shape, style));
-    }
-    shares.push_back(fmt::format("{}:5 with linespoints linestyle {} pointtype {} pointsize 0.3 title {}", of(2), style,
-                                 4 + 2 * a, title));
-    boxes.push_back(fmt::format("'study-errors.csv' using ({}):($1=={}?$2:NaN) with boxplot linestyle {} notitle",
-                                a + 1, a, style));
-    labels.push_back(fmt::format("{} {}", title, a + 1));
-    for (std::size_t n = 1; n < found.back_steps.size(); ++n)
-      most_back_steps = std::max(most_back_steps, found.back_steps[n]);
+    const std::vector<results::Where> own = {{1, '=', double(a)}};
+    weibull.lines.push_back({.table = data.file,
+                             .x = {3},
+                             .y = {4},
+                             .how = results::How::points,
+                             .look = look_of(a, 0.5),
+                             .title = found.name,
+                             .where = own});
+    if (found.weibull)
+      lines.push_back(
+          {.table = "", .look = look_of(a, 0), .rows = straight(found.weibull->likelihood.fit, least, most)});
+    shares.lines.push_back({.table = data.file,
+                            .x = {2},
+                            .y = {5},
+                            .how = results::How::line_and_points,
+                            .look = look_of(a, 0.3),
+                            .title = found.name,
+                            .where = own});
+    boxes.lines.push_back({.table = data.file,
+                           .x = {.plus = double(a + 1)},
+                           .y = {2},
+                           .how = results::How::boxplot,
+                           .look = look_of(a, 0),
+                           .where = own});
+    boxes.x.ticks.push_back({double(a + 1), found.name});
   }
-  write_whole(folder / "study-errors.csv", data);
-  if (weibull.empty()) return {"study-errors.csv"};
-  weibull.insert(weibull.end(), lines.begin(), lines.end());
-  script += fmt::format(
-      "set logscale xy\nset format xy '10^{{%T}}'\nset yrange [1e-3:10]\n"
-      "set xlabel 'distance from the threshold, |e - e_0|'\nset ylabel '-ln R, R the share of cases above e'\n"
-      "set key top left\nplot {}\n",
-      fmt::join(weibull, ", \\\n     "));
-  script += fmt::format(
-      "unset logscale y\nset format y '%g'\nset yrange [0:100]\nset xlabel 'error e, slip rate in stick over 0.001 "
-      "average speed'\n"
-      "set ylabel 'share of cases below (%)'\nset xrange [1e-6:10]\nplot {}\n",
-      fmt::join(shares, ", \\\n     "));
-  script += fmt::format(
-      "unset logscale x\nset logscale y\nset format x '%g'\nset format y '10^{{%T}}'\nset yrange [1e-7:10]\n"
-      "set xrange [0.3:{}]\nset xtics ({})\nset xlabel ''\nset ylabel 'error e'\nset style fill empty\n"
-      "set boxwidth 0.5\nset style boxplot range 1.5 outliers pointtype 6\nplot {}\n",
-      double(labels.size()) + 0.7, fmt::join(labels, ", "), fmt::join(boxes, ", \\\n     "));
-  std::string steps = "steps";
-  for (const auto& found : result.algorithms) steps += "," + found.name;
-  for (std::size_t n = 0; n < 10; ++n) {
-    steps += fmt::format("\n{}", n);
-    for (const auto& found : result.algorithms) steps += fmt::format(",{}", found.back_steps[n]);
-  }
-  write_whole(folder / "study-back-steps.csv", steps + "\n");
-  std::vector<std::string> bars;
-  for (std::size_t a = 0; a < result.algorithms.size(); ++a)
-    if (std::any_of(result.algorithms[a].back_steps.begin() + 1, result.algorithms[a].back_steps.end(),
-                    [](int n) { return n > 0; }))
-      bars.push_back(fmt::format("'study-back-steps.csv' every ::1 using 1:{} with boxes linestyle {} title {}", a + 2,
-                                 a % 5 + 1, output::single_quoted(result.algorithms[a].name)));
-  if (!bars.empty())
-    script += fmt::format(
-        "unset logscale y\nset format y '%g'\nset yrange [0:*]\nset xrange [-0.5:9.5]\n"
-        "set xtics (0, 1, 2, 3, 4, 5, 6, 7, 8, '9+' 9)\nset xlabel 'steps back at the first stick'\nset ylabel "
-        "'cases'\n"
-        "set key top right\nset style fill solid 0.4\nplot {}\n",
-        fmt::join(bars, ", "));
-  write_whole(folder / "study.gp", sheet.with(std::move(script)));
-  return {"study-errors.csv", "study-back-steps.csv", "study.gp"};
+  figure.tables = {std::move(data), std::move(steps)};
+  if (weibull.lines.empty()) return {};
+  const auto [nearest, farthest] = results::Extent::of(figure.tables.front().columns[2].values);
+  weibull.x.from = nearest, weibull.x.to = farthest;
+  weibull.lines.insert(weibull.lines.end(), lines.begin(), lines.end());
+  boxes.x.to = double(boxes.x.ticks.size()) + 0.7;
+  figure.panels = {std::move(weibull), std::move(shares), std::move(boxes)};
+  if (!back.lines.empty()) figure.panels.push_back(std::move(back));
+  return output::write(folder, figure);
 }
 
 /// The response of one case with its strip, and every step around the entry into its first stick.
 std::vector<std::string> write_case(const fs::path& folder, const scene::Scene& scene, const StudyResult& result) {
   if (result.shown.empty()) return {};
-  std::vector<std::string> files;
+  results::Figure figure{.name = "study-case",
+                         .what = "One case: response, strip of stick and slip, and entry into stick",
+                         .title = fmt::format("{}, case {}", scene.title, result.shown_case),
+                         .width = 980,
+                         .columns = 2,
+                         .height = 320,
+                         .key = results::Key::own};
+  // Displacements and velocities of all that are shown; of motions and entries.
+  std::map<int, results::Extent> extents[2];
+  double latest = 0;
   for (const auto& motion : result.shown)
     for (const bool entry : {false, true}) {
+      results::FigureTable table{fmt::format("study-{}-{}.csv", entry ? "entry" : "motion", motion.name),
+                                 {{"time (s)", {}}, {"stick", {}}}};
       const auto& points = entry ? motion.entry : motion.whole;
-      std::string text = "time (s),stick";
-      for (std::size_t d = 0; !points.empty() && d < points[0].displacement.size(); ++d)
-        text += fmt::format(",displacement_{0} (m),velocity_{0} (m/s)", d + 1);
-      text += '\n';
-      for (const auto& point : points) {
-        text += fmt::format("{},{}", point.time, point.stick ? 1 : 0);
-        for (std::size_t d = 0; d < point.displacement.size(); ++d)
-          text += fmt::format(",{},{}", point.displacement[d], point.velocity[d]);
-        text += '\n';
+      for (std::size_t d = 0; !points.empty() && d < points[0].displacement.size(); ++d) {
+        table.columns.push_back({fmt::format("displacement_{} (m)", d + 1), {}});
+        table.columns.push_back({fmt::format("velocity_{} (m/s)", d + 1), {}});
       }
-      files.push_back(fmt::format("study-{}-{}.csv", entry ? "entry" : "motion", motion.name));
-      write_whole(folder / files.back(), text);
+      for (const auto& point : points) {
+        table.columns[0].values.push_back(point.time);
+        table.columns[1].values.push_back(point.stick ? 1 : 0);
+        for (std::size_t d = 0; d < point.displacement.size(); ++d) {
+          table.columns[2 + 2 * d].values.push_back(point.displacement[d]);
+          table.columns[3 + 2 * d].values.push_back(point.velocity[d]);
+        }
+      }
+      if (!entry && !points.empty()) latest = std::max(latest, points.back().time);
+      for (std::size_t c = 2; c < table.columns.size(); ++c)
+        for (const double value : table.columns[c].values) extents[entry][int(c) + 1].include(value);
+      figure.tables.push_back(std::move(table));
     }
-  const auto curves = [&](std::string_view which, std::string_view columns, std::string_view how) {
-    std::vector<std::string> list;
-    for (std::size_t a = 0; a < result.shown.size(); ++a)
-      list.push_back(fmt::format("'study-{}-{}.csv' using {} with {} linestyle {}{} title {}", which,
-                                 result.shown[a].name, columns, a == 0 ? "lines" : how, a == 0 ? 6 : (a - 1) % 5 + 1,
-                                 a == 0 || how == "lines" ? "" : fmt::format(" pointtype {} pointsize 0.6", 4 + 2 * a),
-                                 output::single_quoted(result.shown[a].name)));
-    return fmt::format("{}", fmt::join(list, ", \\\n     "));
-  };
   const double first = result.cases[static_cast<std::size_t>(result.shown_case)].exact.first_stick;
-  const auto title = fmt::format("{}, case {}", scene.title, result.shown_case);
-  const output::Sheet sheet{
-      "study-case",
-      "One case: response, strip of stick and slip, and entry into stick",
-      {.width = 980, .panels = 4, .columns = 2, .panel = 320, .between_rows = 80, .key = output::Layout::Key::own},
-      title};
-  std::string script = "set grid\n";
-  script += "set style line 6 linecolor '#000000' linewidth 1\n";
-  script += "set xlabel 'time (s)'\nset ylabel 'displacement (mm)'\nset key top right\nplot " +
-            curves("motion", "1:($3*1e3)", "lines") + "\n";
-  std::vector<std::string> strips, tics;
+  // The exact motion as a thin line, algorithms as their steps.
+  const auto curves = [&](bool entry, results::Cell x, results::Cell y) {
+    std::vector<results::Line> list;
+    for (std::size_t a = 0; a < result.shown.size(); ++a)
+      list.push_back({.table = figure.tables[2 * a + (entry ? 1 : 0)].file,
+                      .x = x,
+                      .y = y,
+                      .how = entry && a > 0 ? results::How::line_and_points : results::How::line,
+                      .look = a == 0 ? results::Look{.colour = "#000000", .width = 1} : look_of(a - 1, 0.6),
+                      .title = result.shown[a].name});
+    return list;
+  };
+  const auto along = [&](const char* name, const char* unit, bool entry, int column) {
+    return results::Axis{.name = name, .unit = unit, .shown = extents[entry][column]};
+  };
+  const results::Axis time{.name = "time", .unit = "s", .shown = {0, latest}};
+  auto after = time;
+  after.name = "time after the exact stick begins";
+  after.shown = {};
+  for (const auto& point : result.shown.front().entry) after.shown.include(point.time - first);
+  results::Panel strips{.x = time, .y = {.name = "slip, and above it stick", .from = -0.3}};
+  strips.y.to = double(result.shown.size());
   for (std::size_t a = 0; a < result.shown.size(); ++a) {
-    strips.push_back(fmt::format("'study-motion-{}.csv' using 1:($2*0.7+{}) with steps linestyle {} notitle",
-                                 result.shown[a].name, a, a == 0 ? 6 : (a - 1) % 5 + 1));
-    tics.push_back(fmt::format("{} {}", output::single_quoted(result.shown[a].name), a));
+    strips.lines.push_back({.table = figure.tables[2 * a].file,
+                            .y = {.column = 2, .factor = 0.7, .plus = double(a)},
+                            .how = results::How::steps,
+                            .look = a == 0 ? results::Look{.colour = "#000000", .width = 1} : look_of(a - 1, 0)});
+    strips.y.ticks.push_back({double(a), result.shown[a].name});
   }
-  script += fmt::format("set ylabel 'slip, and above it stick'\nset ytics ({})\nset yrange [-0.3:{}]\nplot {}\n",
-                        fmt::join(tics, ", "), result.shown.size(), fmt::join(strips, ", \\\n     "));
-  script += fmt::format(
-      "set ytics autofreq\nset yrange [*:*]\nset xlabel 'time after the exact stick begins (ms)'\n"
-      "set ylabel 'velocity (mm/s)'\nset key bottom right\nplot {}\n",
-      curves("entry", fmt::format("(($1-{})*1e3):($4*1e3)", first), "linespoints"));
-  script += fmt::format("set ylabel 'displacement (mm)'\nset format y '%.6g'\nset key top right opaque\nplot {}\n",
-                        curves("entry", fmt::format("(($1-{})*1e3):($3*1e3)", first), "linespoints"));
+  const results::Cell since{.column = 1, .plus = -first};
+  figure.panels = {
+      {.x = time, .y = along("displacement", "m", false, 3), .lines = curves(false, {1}, {3}), .key = "top right"},
+      std::move(strips),
+      {.x = after, .y = along("velocity", "m/s", true, 4), .lines = curves(true, since, {4}), .key = "bottom right"},
+      {.x = after, .y = along("displacement", "m", true, 3), .lines = curves(true, since, {3}), .key = "top right"}};
+  auto files = output::write(folder, figure);
   if (scene.task<analysis::studies::StudyOptions>().dimensions == 2) {
-    const output::Sheet plane{"study-path", "Path of one case in the plane", {.width = 640, .panel = 480}, title};
-    write_whole(folder / "study-path.gp",
-                plane.with(fmt::format("set style line 6 linecolor '#000000' linewidth 1\nset key top "
-                                       "left\nset xlabel 'x (mm)'\nset ylabel 'y (mm)'\nset "
-                                       "grid\nplot {}\n",
-                                       curves("motion", "($3*1e3):($5*1e3)", "lines"))));
-    files.emplace_back("study-path.gp");
+    const results::Figure plane{.name = "study-path",
+                                .what = "Path of one case in the plane",
+                                .title = figure.title,
+                                .panels = {{.x = along("x", "m", false, 3),
+                                            .y = along("y", "m", false, 5),
+                                            .lines = curves(false, {3}, {5}),
+                                            .key = "top left"}},
+                                .width = 640,
+                                .height = 480,
+                                .key = results::Key::own};
+    for (auto& file : output::write(folder, plane)) files.push_back(std::move(file));
   }
-  write_whole(folder / "study-case.gp", sheet.with(std::move(script)));
-  files.emplace_back("study-case.gp");
   return files;
 }
 

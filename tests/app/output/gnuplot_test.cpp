@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <map>
 
+#include "app/output/scene_figure.hpp"
 #include "app/output/sheet.hpp"
 #include "core/files.hpp"
 #include "core/process.hpp"
@@ -95,16 +96,17 @@ TEST_CASE("names on axes come with the symbols of their quantities", "[gnuplot]"
 }
 
 TEST_CASE("numbers of a scene are named on axes by what they mean, their symbol and their unit", "[gnuplot]") {
-  const auto named = [](const char* path, const char* meaning, const char* unit) {
-    const auto text = output::axis_label('x', path, meaning, unit);
-    return text.substr(0, text.find(" font fitted_x("));
+  const auto named = [](const char* path, const char* meaning) {
+    const auto axis = output::axis_of(path, rosin::Quantity{.name = path, .unit = "N", .meaning = meaning});
+    return std::array{axis.name, axis.symbol, axis.detail};
   };
-  CHECK(named("drive.speed", "speed of the driving surface", "m/s") == "'speed of the driving surface '.'V'.' (m/s)'");
-  CHECK(named("drive.force.harmonics.1.amplitude", "force on the slider, along its displacement", "N") ==
-        "'force on the slider '.'f'.', amplitude of harmonic 1 (N)'");
-  CHECK(named("law.mu_d", "dynamic coefficient, in motion", "1") == "'dynamic coefficient '.'μ_{d}'.''");
-  CHECK(named("oscillator.contacts.2.normal_load", "normal load", "N") == "'normal load '.'N'.', contact 2 (N)'");
-  CHECK(named("oscillator.bow_position", "distance of the bow", "1") == "'distance of the bow'.''.''");
+  using Parts = std::array<std::string, 3>;
+  CHECK(named("drive.speed", "speed of the driving surface") == Parts{"speed of the driving surface", "V", ""});
+  CHECK(named("drive.force.harmonics.1.amplitude", "force on the slider, along its displacement") ==
+        Parts{"force on the slider", "f", "amplitude of harmonic 1"});
+  CHECK(named("law.mu_d", "dynamic coefficient, in motion") == Parts{"dynamic coefficient", "μ_d", ""});
+  CHECK(named("oscillator.contacts.2.normal_load", "normal load") == Parts{"normal load", "N", "contact 2"});
+  CHECK(named("oscillator.bow_position", "distance of the bow") == Parts{"distance of the bow", "", ""});
 }
 
 TEST_CASE("a picture that gnuplot left cut short does not get its name", "[gnuplot]") {
@@ -197,13 +199,15 @@ TEST_CASE("pictures for print are as wide as was asked, with panels and titles i
 }
 
 TEST_CASE("values that hardly change are drawn less what they have in common", "[gnuplot]") {
-  const auto drawn = output::drawn_range("elongation", "m", 5.00000012, 5.00004);
-  CHECK(drawn.label == "'elongation − 5 m (µm)'");
-  CHECK(drawn.column(3) == "(($3-5)*1000000)");
+  const auto drawn = output::drawn_range("m", 5.00000012, 5.00004);
+  CHECK(drawn.common == " − 5 m");
+  CHECK(drawn.unit == "µm");
+  CHECK(drawn.off == 5);
   CHECK(drawn.high == Approx(40));
-  const auto plain = output::drawn_range("slip rate v", "m/s", 0, 2e-3);
-  CHECK(plain.label == "'slip rate v (mm/s)'");
-  CHECK(plain.column(2) == "($2*1000)");
+  const auto plain = output::drawn_range("m/s", 0, 2e-3);
+  CHECK(plain.common.empty());
+  CHECK(plain.unit == "mm/s");
+  CHECK(plain.factor == 1000);
 }
 
 TEST_CASE("units have the prefix of their largest value", "[gnuplot]") {
