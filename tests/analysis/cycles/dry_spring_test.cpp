@@ -125,10 +125,13 @@ TEST_CASE("parallel elements on one coordinate dissipate what each would", "[dry
 TEST_CASE("below its limit a friction damper is a spring, and beyond it adds none", "[dry-spring]") {
   auto model = damper();
   model.drive.force = 0.0, model.slider.damping = 0;
-  const auto sticks = steady::stability(oscillators::one_slider(model));
-  REQUIRE_FALSE(sticks.eigenvalues.empty());
-  CHECK(std::abs(std::abs(sticks.eigenvalues.front().imag()) - std::sqrt(0.75 + spring)) < 1e-12);
+  const auto frequency = [&] {
+    double highest = 0;
+    for (const auto& z : steady::stability(oscillators::one_slider(model)).eigenvalues)
+      highest = std::max(highest, z.imag());
+    return highest;
+  };
+  CHECK(std::abs(frequency() - std::sqrt(0.75 + spring)) < 1e-12);
   model.drive.speed = 0.1;
-  const auto slips = steady::stability(oscillators::one_slider(model));
-  CHECK(std::abs(std::abs(slips.eigenvalues.front().imag()) - std::sqrt(0.75)) < 1e-12);
+  CHECK(std::abs(frequency() - std::sqrt(0.75)) < 1e-12);
 }
