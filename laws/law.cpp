@@ -13,6 +13,21 @@ bool FrictionLaw::deflects() const {
   return std::any_of(states().begin(), states().end(), [](const auto& s) { return s.parity == Parity::odd; });
 }
 
+std::string laws::refusal_of_spring(const FrictionLaw& law, bool damped) {
+  if (!law.set_valued()) return "";
+  const auto friction = law.linear();
+  if (law.has_states() || !friction || friction->slope != 0)
+    return ", which is set-valued at rest and changes with slip: behind a spring, whose end has no mass, only dry "
+           "friction of one coefficient at all slip rates (coulomb) has a slip rate; 'dahl' and 'lugre' are such laws "
+           "with an elastic contact";
+  if (const double at_rest = law.static_limit(1); !damped && at_rest != friction->constant)
+    return fmt::format(
+        " where mu_s = {:.9g} is above mu_d = {:.9g}: the end of the spring has no mass, and slip would begin with a "
+        "jump; give mu_s = mu_d (a Jenkins element), or a damper beside the spring (law.contact_stiffness.damping)",
+        at_rest, friction->constant);
+  return "";
+}
+
 std::optional<std::size_t> FrictionLaw::find(std::string_view parameter) const {
   const auto& list = parameters();
   for (std::size_t i = 0; i < list.size(); ++i)
@@ -55,13 +70,17 @@ std::vector<int> remembering(const FrictionLaw& law) {
                     law.card().name));
   return list;
 }
-const ContactSetup& with_spring(const FrictionLaw& law, const ContactSetup& setup) {
+void require_spring(const FrictionLaw& law, const ContactSetup& setup) {
+  const bool damped = setup.spring.damping > 0 || setup.spring.damping_per_load > 0;
+  if (const auto why = laws::refusal_of_spring(law, damped); !why.empty())
+    throw InputError(fmt::format("law.contact_stiffness does not go with law '{}'{}", law.card().name, why));
+}
+/// Lanes and towers follow no modes of stick and slip.
+void require_smooth(const FrictionLaw& law) {
   if (law.set_valued())
     throw InputError(
-        fmt::format("a spring in series does not go with law '{}', whose force at rest is any value up to its limit: "
-                    "behind the spring it would jump at slip",
+        fmt::format("law '{}' behind a contact spring is asked one contact at a time, without higher derivatives",
                     law.card().name));
-  return setup;
 }
 }  // namespace
 
@@ -70,18 +89,20 @@ std::unique_ptr<Contact<double>> FrictionLaw::contact(const ContactSetup& setup)
   if (setup.load_memory > 0 && setup.lambda > 0)
     contact = laws::with_load_memory(std::move(contact), bare_contact({.unknowns = Unknowns::states}),
                                      remembering(*this), setup);
-  if (setup.spring.present()) contact = laws::behind_spring(std::move(contact), with_spring(*this, setup));
-  return contact;
+  if (!setup.spring.present()) return contact;
+  require_spring(*this, setup);
+  return set_valued() ? laws::dry_behind_spring(std::move(contact), setup)
+                      : laws::behind_spring(std::move(contact), setup);
 }
 std::unique_ptr<Contact<Lanes>> FrictionLaw::lanes(const ContactSetup& setup) const {
   auto contact = bare_lanes(setup);
-  if (setup.spring.present()) contact = laws::behind_spring(std::move(contact), with_spring(*this, setup));
+  if (setup.spring.present()) require_smooth(*this), contact = laws::behind_spring(std::move(contact), setup);
   return contact;
 }
 std::unique_ptr<ContactValues<Tower>> FrictionLaw::tower(const ContactSetup& setup, const ContactChange& change) const {
   auto contact = bare_tower(setup, change);
   if (setup.spring.present())
-    contact = laws::behind_spring(std::move(contact), with_spring(*this, setup), change.setup.spring);
+    require_smooth(*this), contact = laws::behind_spring(std::move(contact), setup, change.setup.spring);
   return contact;
 }
 

@@ -1,9 +1,10 @@
 /// What may surround any law in its contact, by decorating the contact: a law knows nothing of it.
 #pragma once
 #include <memory>
+#include <string>
 #include <vector>
 
-#include "core/contact.hpp"
+#include "laws/law.hpp"
 
 namespace rosin::laws {
 
@@ -17,6 +18,18 @@ std::unique_ptr<Contact<Lanes>> behind_spring(std::unique_ptr<Contact<Lanes>> la
 /// `slopes`: of the numbers of the spring, in the second direction of towers.
 std::unique_ptr<ContactValues<Tower>> behind_spring(std::unique_ptr<ContactValues<Tower>> law, const ContactSetup&,
                                                     const SeriesSpring& slopes);
+
+/// Nothing where the contact of a law goes behind a spring; else the reason why it does not. A set-valued law does if
+/// its friction is the same at all slip rates and, without a damper beside the spring, at rest too: else slip begins
+/// with a jump.
+std::string refusal_of_spring(const FrictionLaw&, bool damped);
+
+/// A contact of dry friction, of the same coefficient at all slip rates, behind a spring (Jenkins 1962): its unknown is
+/// the deflection e (m). In stick, where the direction of the input is 0, the spring follows, ė = u and F = k·e + c·u,
+/// up to the limit of rest. In slip F = ±μ_d·N; a damped spring relaxes, ė = (F − k·e)/c, and an undamped one has
+/// e = F/k, an equation without a rate of its own: 0 = F/k − e.
+/// \param law  rigid, without unknowns
+std::unique_ptr<Contact<double>> dry_behind_spring(std::unique_ptr<Contact<double>> law, const ContactSetup&);
 
 /// A contact whose states forget a part of their past when the load grows (ContactSetup::load_memory, α): at constant
 /// slip rate a change of load changes friction by dμ = −α dN/N, by way of the states, and the rates λ·ψ̇ then bring it

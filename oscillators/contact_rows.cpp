@@ -30,7 +30,10 @@ ContactRows::ContactRows(std::shared_ptr<const FrictionLaw> of, double lambda, d
   setup.unknowns = law->has_slip_rate() && (unknowns == Unknowns::friction || needs_friction) ? Unknowns::friction
                                                                                               : Unknowns::states;
   contact = law->contact(setup);
-  states = contact->unknowns() - first_state() - (setup.spring.present() ? (carries_friction() ? 1 : 2) : 0);
+  states = contact->unknowns() - first_state() -
+           (!setup.spring.present()              ? 0
+            : carries_friction() || is_elastic() ? 1
+                                                 : 2);
 }
 
 void ContactRows::weigh(double slip_rate, double N, bool beside_mass) {

@@ -47,9 +47,12 @@ struct ContactRows {
 
   bool carries_friction() const { return setup.unknowns == Unknowns::friction; }
   bool rigid() const { return setup.compliance == 0 && setup.compliance_per_load == 0 && !setup.spring.present(); }
+  /// Dry friction behind a spring, whose end sticks and slips.
+  bool is_elastic() const { return law->set_valued() && setup.spring.present(); }
+  bool is_damped() const { return setup.spring.damping > 0 || setup.spring.damping_per_load > 0; }
   int first_state() const { return carries_friction() ? 1 : 0; }
   /// Place of the contact's own slip rate, −1 where it is no unknown.
-  int slip_rate_place() const { return setup.spring.present() && !carries_friction() ? states : -1; }
+  int slip_rate_place() const { return setup.spring.present() && !carries_friction() && !is_elastic() ? states : -1; }
 
   void scale(const double* z, double* s) const;
   std::string unknown(int i) const;

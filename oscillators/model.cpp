@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "core/error.hpp"
+#include "laws/one_coefficient.hpp"
+#include "laws/wrappers.hpp"
 
 namespace rosin::oscillators {
 
@@ -84,6 +86,12 @@ std::optional<std::size_t> find_in_law(const Model& model, std::string_view path
   return index;
 }
 
+/// law.mu, of laws with a coefficient at rest and another in motion: both at once.
+std::optional<Quantity> find_one_coefficient(const Model& model, std::string_view path) {
+  const auto both = laws::one_coefficient_of(*model.law);
+  return both && path == "law." + both->name ? both : std::nullopt;
+}
+
 Quantity with_path(Quantity quantity) {
   quantity.name = "law." + quantity.name;
   return quantity;
@@ -120,12 +128,14 @@ std::vector<Quantity> Model::parameters() const {
 Quantity Model::describe(std::string_view path) const {
   if (const auto index = find_in_law(*this, path)) return with_path(law->parameters()[*index]);
   if (const auto* entry = find_entry(*this, path)) return entry->quantity;
+  if (const auto both = find_one_coefficient(*this, path)) return with_path(*both);
   refuse_path(*this, path);
 }
 
 double Model::get(std::string_view path) const {
   if (const auto index = find_in_law(*this, path)) return std::get<double>(law->values()[*index]);
   if (const auto* entry = find_entry(*this, path)) return entry->get(*this);
+  if (find_one_coefficient(*this, path)) return law->parameter(laws::rest_and_motion.back());
   refuse_path(*this, path);
 }
 
@@ -135,8 +145,10 @@ Model Model::with(std::string_view path, double value) const {
   Model changed = *this;
   if (const auto index = find_in_law(*this, path))
     changed.law = law->with(law->parameters()[*index].name, value);
+  else if (const auto* entry = find_entry(*this, path))
+    entry->set(changed, value);
   else
-    find_entry(*this, path)->set(changed, value);
+    changed.law = laws::with_one_coefficient(*law, value);
   return changed;
 }
 
@@ -175,12 +187,8 @@ void Model::check() const {
     throw InputError(
         "law.contact_stiffness: damping without a spring beside it has no meaning; give tangential (N/m) or "
         "per_load (1/m)");
-  if (contact.present() && law->set_valued())
-    throw InputError(
-        fmt::format("law.contact_stiffness does not go with law '{}', whose force at rest is any value up to its "
-                    "limit: behind a spring it would jump at slip; 'dahl' and 'lugre' are such laws with an elastic "
-                    "contact",
-                    name));
+  if (const auto why = laws::refusal_of_spring(*law, contact.damped()); contact.present() && !why.empty())
+    throw InputError(fmt::format("law.contact_stiffness does not go with law '{}'{}", name, why));
   const bool damped = slider.damping > 0 || (contact.damped() && std::isfinite(slider.stiffness));
   if (slider.mass == 0 && !law->has_slip_rate() && damped)
     throw InputError(fmt::format(

@@ -10,6 +10,7 @@
 
 #include "core/instruction_set.hpp"
 #include "core/tower.hpp"
+#include "laws/regions.hpp"
 
 namespace rosin::oscillators {
 
@@ -28,6 +29,16 @@ constexpr double nearly_stuck = 1e-6;  ///< over the reference speed; below it t
 /// Without load neither the contact nor a spring in series with it carries a force.
 Model checked(Model model) {
   model.check();
+  if (model.law->set_valued() && model.contact_stiffness.present())
+    throw InputError(
+        fmt::format("law '{}' behind a contact spring is the contact of a structure, of one coordinate for a slider "
+                    "(oscillators::one_slider)",
+                    model.law->card().name));
+  if (laws::region_width(*model.law) > 0)
+    throw InputError(
+        "solver.smoothing.type = 'multi-region' needs the force that would hold the contact, which a structure knows, "
+        "of "
+        "one coordinate for a slider (oscillators::one_slider)");
   if (const auto& load = model.drive.normal_load; load.constant() && load.level() == 0) model.contact_stiffness = {};
   return model;
 }

@@ -11,6 +11,8 @@
 #include <numbers>
 
 #include "laws/frictionless.hpp"
+#include "laws/regions.hpp"
+#include "laws/wrappers.hpp"
 
 namespace rosin::oscillators {
 
@@ -70,6 +72,25 @@ void check_without_mass(const Structure& structure, int i) {
   if (only->law->set_valued()) fail("under a set-valued law nothing says how fast it slips; give it a mass");
   if (only->stiffness.present() && structure.C(i, i) == 0)
     fail("with a contact spring and no damper forces do not depend on its slip rate; give it a mass or a damping");
+}
+
+/// The force that would hold a contact must not depend on friction itself.
+void check_regions(const Structure& structure) {
+  for (std::size_t j = 0; j < structure.contacts.size(); ++j) {
+    const auto& contact = structure.contacts[j];
+    if (contact.frictionless() || laws::region_width(*contact.law) == 0) continue;
+    Eigen::Index i = 0;
+    const bool alone =
+        contact.tangential.maxCoeff(&i) == 1 && (contact.tangential.array() != 0).count() == 1 &&
+        std::ranges::count_if(structure.contacts, [&](const auto& c) { return c.tangential[i] != 0; }) == 1;
+    if (!alone || !structure.M.isDiagonal(0) || structure.M(i, i) == 0 || contact.normal.size() > 0 ||
+        contact.stiffness.present())
+      throw InputError(fmt::format(
+          "contact {}: solver.smoothing.type = 'multi-region' needs the force that would hold the contact, which "
+          "is known where M is diagonal, the contact alone acts along its coordinate, of a mass, and "
+          "its load is given; without contact stiffness",
+          j + 1));
+  }
 }
 
 /// Rates of several coordinates without mass and contact follow from their dampers together.
@@ -154,12 +175,17 @@ void Structure::check() const {
         throw InputError(fmt::format(
             "contact {}: a load that follows motion does not go with contact stiffness and load memory", j + 1));
     }
-    if (contact.law->set_valued() && !contact.frictionless()) set_valued.push_back(j);
+    if (const auto why = laws::refusal_of_spring(*contact.law, contact.stiffness.damped());
+        contact.stiffness.present() && !why.empty())
+      throw InputError(fmt::format("law.contact_stiffness of contact {} does not go with law '{}'{}", j + 1,
+                                   contact.law->card().name, why));
+    if (contact.law->set_valued() && !contact.frictionless() && !contact.stiffness.present()) set_valued.push_back(j);
   }
+  check_regions(*this);
   if (depend_on_each_other(contacts, set_valued))
     throw InputError(fmt::format(
         "{} contacts that stick have directions that depend on each other: stick leaves their forces open; give them "
-        "laws that creep, or contact stiffness",
+        "laws that creep, or contact stiffness (law.contact_stiffness)",
         set_valued.size()));
   check_stops();
 }

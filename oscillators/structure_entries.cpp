@@ -1,6 +1,7 @@
 /// Where entries of a structure's Jacobian stand if each speed belongs to a mass of its own, and the entries.
 #include <algorithm>
 
+#include "laws/regions.hpp"
 #include "oscillators/structure_system.hpp"
 
 namespace rosin::oscillators {
@@ -63,7 +64,14 @@ void StructureSystem::linearise_entries(double t, const double* y, double* f, do
     const auto& [i, at, side, restitution, k, c] = structure_.stops[s];
     entry(n_ + i, i) -= k, entry(n_ + i, n_ + i) -= c * along_[i];
   }
-  for (int j = 0; j < friction_contacts(); ++j) {
+  // Contacts under regions come last: their friction answers to all other forces on their coordinate.
+  std::vector<int> order;
+  for (const bool in_regions : {false, true})
+    for (int j = 0; j < friction_contacts(); ++j)
+      if ((at_[j].region > 0) == in_regions) order.push_back(j);
+  const auto of_regions = regions(t, y);
+  auto of_region = of_regions.begin();
+  for (const int j : order) {
     const At& at = at_[j];
     const int nz = at.contact->unknowns();
     const auto [N, rate] = load(j, t, y);
@@ -74,6 +82,14 @@ void StructureSystem::linearise_entries(double t, const double* y, double* f, do
     for (int a = 0; a < nz; ++a)
       for (int b = 0; b < nz; ++b) entry(at.first + a, at.first + b) = slopes.g_z[a * nz + b];
     if (at.creep > 0) entry(at.first, at.first) -= at.creep;
+    if (at.region > 0) {
+      const double u = slip_rate(j, t, y);
+      const auto by = laws::region_friction(u, at.region, F, (of_region++)->holding);
+      for (int e = pattern_.row_begin[n_ + at.row]; e < pattern_.row_begin[n_ + at.row + 1]; ++e)
+        entries[e] *= 1 - by.by_holding;
+      slopes.F_u = by.by_slip * slopes.F_u + by.by_slip_rate, slopes.F_N *= by.by_slip;
+      for (int a = 0; a < nz; ++a) slopes.F_z[a] *= by.by_slip;
+    }
     for (const Station& s : stations(j, y)) {
       const auto answer = this->answer(j, s, t, y);
       const double area = s.area;

@@ -42,7 +42,7 @@ void StructureSystem::set_stop_speed(int stop, double t, double speed, double si
   const int i = of.coordinate, own = contact_of_row_[i];
   double& w = y[n_ + i];
   w = own >= 0 ? structure_.contacts[own].speed.value(t) - of.side * speed : of.side * speed;
-  if (own >= 0 && law(own).set_valued()) at_[own].mode = slip_along(w != 0 ? w : side);
+  if (own >= 0 && law(own).set_valued() && !at_[own].is_elastic()) at_[own].mode = slip_along(w != 0 ? w : side);
   for (int j = 0; j < friction_contacts(); ++j)
     for (const auto& entry : tangential_[j])
       if (entry.column == i && at_[j].carries_friction() && at_[j].rigid())
@@ -57,7 +57,7 @@ void StructureSystem::rest_on_stop(int stop, double t, double* y) {
 
 int StructureSystem::contact_beside_stop(int stop, double t) const {
   const int j = contact_of_row_[structure_.stops[stop].coordinate];
-  if (j < 0 || !law(j).set_valued()) return -1;
+  if (j < 0 || !law(j).set_valued() || at_[j].is_elastic()) return -1;
   const Signal& speed = structure_.contacts[j].speed;
   if (speed.value(t) != 0 || speed.rate(t) != 0) return -1;
   for (int c = 0; c < contacts(); ++c)

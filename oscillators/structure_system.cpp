@@ -10,6 +10,8 @@
 #include <limits>
 #include <optional>
 
+#include "laws/regions.hpp"
+
 namespace rosin::oscillators {
 
 namespace {
@@ -70,15 +72,15 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
       stop_mode_(structure_.stops.size(), StopMode::open) {
   structure_.check();
   const auto& contacts = structure_.contacts;
-  // Contacts that stick come first, because they need a speed of their own.
+  for (const FrictionContact& c : contacts) at_.emplace_back(c.law, c.lambda, c.load_memory, c.stiffness, unknowns);
+  // Contacts whose stick holds coordinates come first, because they need a speed of their own.
   std::vector<int> order;
-  for (const bool set_valued : {true, false})
+  for (const bool holds : {true, false})
     for (std::size_t j = 0; j < contacts.size(); ++j)
-      if (contacts[j].law->set_valued() == set_valued) order.push_back(int(j));
+      if ((contacts[j].law->set_valued() && !at_[j].is_elastic()) == holds) order.push_back(int(j));
   std::vector<FrictionContact> ordered;
   for (const int j : order) ordered.push_back(contacts[j]);
   const auto rows = rows_of_contacts(ordered);
-  for (const FrictionContact& c : contacts) at_.emplace_back(c.law, c.lambda, c.load_memory, c.stiffness, unknowns);
   for (std::size_t i = 0; i < order.size(); ++i) at_[order[i]].row = rows[i];
 
   K_ = SparseRows(structure_.K), C_ = SparseRows(structure_.C);
@@ -132,6 +134,7 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
     At& at = at_[j];
     const FrictionContact& contact = contacts[j];
     const FrictionLaw& law = *contact.law;
+    at.region = laws::region_width(law);
     at.first = next;
     next += at.contact->unknowns();
     if (law.set_valued()) switching_.push_back(int(j));
@@ -167,6 +170,7 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
                                  : speed_scale_[i];
   }
   for (int i = 0; i < n_; ++i) is_held_.push_back(stiffness_at(i) > 0);
+  has_regions_ = std::ranges::any_of(at_, [](const At& at) { return at.region > 0; });
   if (is_diagonal_) find_pattern();
   follow_modes();
 }
@@ -221,13 +225,16 @@ double StructureSystem::normal_stiffness(int contact, int coordinate) const {
 
 void StructureSystem::set_mode(int contact, ContactMode mode) {
   At& at = at_[switching_[contact]];
-  const bool same_stick = (at.mode == ContactMode::stick) == (mode == ContactMode::stick);
+  const bool held = at.sticks();
   at.mode = mode;
-  if (!same_stick) follow_modes();
+  if (at.sticks() != held) follow_modes();
 }
 
 void StructureSystem::slide() {
-  for (int c = 0; c < contacts(); ++c) set_mode(c, slip_along(structure().contacts[friction_contact(c)].speed.level()));
+  for (int c = 0; c < contacts(); ++c) {
+    const double V = structure().contacts[friction_contact(c)].speed.level();
+    set_mode(c, V == 0 && is_elastic(c) ? ContactMode::stick : slip_along(V));
+  }
 }
 
 /// Matrices that depend on which contacts stick.
@@ -235,7 +242,7 @@ void StructureSystem::follow_modes() {
   if (is_diagonal_) return;
   stuck_.clear();
   for (const int j : switching_)
-    if (at_[j].mode == ContactMode::stick) stuck_.push_back(j);
+    if (sticks(j)) stuck_.push_back(j);
   const int count = int(stuck_.size());
   MatrixXd T(n_, count);
   for (int s = 0; s < count; ++s) T.col(s) = structure_.contacts[stuck_[s]].tangential;
@@ -337,6 +344,11 @@ double StructureSystem::normal_power(double t, const double* y) const {
 /// Where a contact lifts off its load has a kink, friction has those of its law, and the rates of states one in |v|.
 void StructureSystem::kinks(double t, const double* y, std::vector<double>& values) const {
   values.clear();
+  for (const auto& [j, force, holds, slip] : regions(t, y)) {  // where the force comes to the limit within the width
+    const double limit = std::abs(slip), width = at_[j].region;
+    values.push_back(std::max((std::abs(holds) - limit) / (std::abs(holds) + limit),
+                              std::tanh(std::abs(slip_rate(j, t, y)) / width - 1)));
+  }
   for (int j = 0; j < friction_contacts(); ++j) {
     const At& at = at_[j];
     const double* states = y + at.first + at.first_state();
@@ -358,6 +370,13 @@ bool StructureSystem::kinks_are_singular() const {
   return std::ranges::any_of(structure_.contacts, [](const FrictionContact& contact) {
     return contact.normal.cols() == 1 && !contact.normal_law->is_smooth_beside_kink();
   });
+}
+
+/// Contacts under regions lie each on a coordinate of its own: what the others exert on it is R without its own force.
+std::vector<StructureSystem::InRegions> StructureSystem::regions(double t, const double* y) const {
+  if (!has_regions_) return {};
+  VectorXd R = forces_of_others(t, y, nullptr);
+  return add_regions(t, y, R, nullptr);
 }
 
 /// V̇ under the contacts that stick.
@@ -404,11 +423,28 @@ double StructureSystem::slip_rate(int contact, double t, const double* y) const 
 double StructureSystem::contact_slip_rate(int contact, double t, const double* y) const {
   const At& at = at_[contact];
   if (at.rigid()) return slip_rate(contact, t, y);
+  if (at.is_elastic()) {
+    if (at.mode == ContactMode::stick) return 0;
+    const double u = slip_rate(contact, t, y);
+    const auto [N, N_rate] = load(contact, t);
+    double stretching, F;  // of a spring at its limit: with the load
+    at.contact->evaluate({u, N, N_rate, sign(at.mode)}, y + at.first, &stretching, F);
+    if (!at.is_damped())
+      stretching = sign(at.mode) * law(contact).static_limit(N) * at.setup.spring.compliance * N_rate;
+    return u - stretching;
+  }
   return at.own_slip_rate(load(contact, t, y).level, y + at.first);
 }
 
 /// R: all forces on the coordinates but those of contacts that stick. `contact_rows`: g of every contact, if asked.
 Eigen::VectorXd StructureSystem::forces_without_stick(double t, const double* y, double* f) const {
+  VectorXd R = forces_of_others(t, y, f);
+  if (has_regions_) add_regions(t, y, R, f);
+  return R;
+}
+
+/// The same without those of contacts under regions.
+Eigen::VectorXd StructureSystem::forces_of_others(double t, const double* y, double* f) const {
   const Eigen::Map<const VectorXd> q(y, n_);
   VectorXd R = -(K_ * q) - C_ * velocity(t, y);
   for (std::size_t i = 0; i < structure_.force.size(); ++i) R[i] += structure_.force[i].value(t);
@@ -427,6 +463,7 @@ Eigen::VectorXd StructureSystem::forces_without_stick(double t, const double* y,
         N += s.area * answer.bound;
       }
     }
+    if (at_[j].region > 0) continue;
     double F, g[Slopes<double>::capacity];
     const bool stuck = sticks(j);
     at_[j].contact->evaluate({stuck ? 0 : slip_rate(j, t, y), N, rate, sign(at_[j].mode)}, y + at_[j].first,
@@ -438,10 +475,34 @@ Eigen::VectorXd StructureSystem::forces_without_stick(double t, const double* y,
   return R;
 }
 
+double StructureSystem::holding(int contact, double t, const VectorXd& R) const {
+  const int row = at_[contact].row;
+  return -R[row] + row_mass_[row] * structure_.contacts[contact].speed.rate(t);
+}
+
+std::vector<StructureSystem::InRegions> StructureSystem::add_regions(double t, const double* y, VectorXd& R,
+                                                                     double* f) const {
+  std::vector<InRegions> found;
+  for (int j = 0; j < friction_contacts(); ++j) {
+    const At& at = at_[j];
+    if (at.region == 0) continue;
+    const auto [N, rate] = load(j, t, y);
+    const double u = slip_rate(j, t, y), holds = holding(j, t, R);
+    double slip, g[Slopes<double>::capacity];
+    at.contact->evaluate({u, N, rate, 1}, y + at.first, f ? f + at.first : g, slip);
+    found.push_back({j, laws::region_friction(u, at.region, slip, holds).force, holds, slip});
+    R[at.row] += found.back().force;
+  }
+  return found;
+}
+
 void StructureSystem::mass(double t, double* m) const {
   std::fill(m, m + n_, 1.0);
   std::copy(row_mass_.data(), row_mass_.data() + n_, m + n_);
-  for (int j = 0; j < friction_contacts(); ++j) at_[j].contact->mass(load(j, t).level, m + at_[j].first);
+  for (int j = 0; j < friction_contacts(); ++j) {
+    at_[j].contact->mass(load(j, t).level, m + at_[j].first);
+    if (is_at_limit(at_[j])) m[at_[j].first] = 0;
+  }
 }
 
 void StructureSystem::evaluate(double t, const double* y, double* f) const {
@@ -534,9 +595,18 @@ void StructureSystem::linearise(double t, const double* y, double* f, double* ja
 }
 
 void StructureSystem::held(double t, const double* y, Held* held) const {
+  constexpr double digits = 8 * std::numeric_limits<double>::epsilon();
+  for (int i = 0; i < contacts(); ++i) {
+    const At& at = at_[switching_[i]];
+    if (!at.is_elastic() || at.mode != ContactMode::stick) continue;
+    const auto [N, rate] = load(switching_[i], t);
+    double F, stretching;
+    at.contact->evaluate({slip_rate(switching_[i], t, y), N, rate, 0}, y + at.first, &stretching, F);
+    const double limit = at.limit_at_rest(N, y + at.first);
+    held[i] = {F, limit, digits * (limit + std::abs(F))};
+  }
   const bool any = std::ranges::any_of(switching_, [&](int j) { return sticks(j); });
   if (!any) return;
-  constexpr double digits = 8 * std::numeric_limits<double>::epsilon();
   const VectorXd R = forces_without_stick(t, y, nullptr);
   const VectorXd terms = K_.size_of_terms(Eigen::Map<const VectorXd>(y, n_));
   VectorXd F, rounding;
@@ -573,7 +643,7 @@ void StructureSystem::slip_accelerations(double t, const double* y, double* acce
   evaluate(t, y, f.data());
   for (int i = 0; i < contacts(); ++i) {
     const int row = at_[switching_[i]].row;
-    if (mode(i) != ContactMode::stick) acceleration[i] = f[n_ + row] / row_mass_[row];
+    if (mode(i) != ContactMode::stick && !is_elastic(i)) acceleration[i] = f[n_ + row] / row_mass_[row];
   }
 }
 
@@ -583,6 +653,7 @@ double StructureSystem::displacement(int contact, const double* y) const {
 }
 
 void StructureSystem::stop(int contact, double* y) const {
+  if (is_elastic(contact)) return;
   y[slip_rate_unknown(contact)] = 0;
   const At& at = at_[switching_[contact]];
   at.stop(y + at.first);
@@ -662,6 +733,11 @@ void StructureSystem::cross_break(double t, double* y) const {
     double* z = y + at.first;
     const double N = load(j, before, y).level, changed = load(j, t, y).level;
     if (N != changed) at.contact->change_load(slip_rate(j, before, y), N, changed, z);
+    if (at.is_elastic() && !at.is_damped() && N != changed) {  // a spring bears no more than the limit
+      const double most =
+          law(j).static_limit(changed) * (at.setup.spring.compliance * changed + at.setup.spring.compliance_per_load);
+      z[0] = std::clamp(z[0], -most, most);
+    }
     if (at.row >= 0) y[n_ + at.row] += contact.speed.value(t) - contact.speed.value(before);
     if (!at.carries_friction()) continue;
     if (at.rigid())
@@ -680,8 +756,9 @@ void StructureSystem::friction_forces(double t, const double* y, double* force) 
   std::vector<Held> held(contacts());
   this->held(t, y, held.data());
   for (int c = 0; c < contacts(); ++c) force[switching_[c]] = held[c].force;
+  for (const auto& at : regions(t, y)) force[at.contact] = at.force;
   for (int j = 0; j < friction_contacts(); ++j) {
-    if (sticks(j)) continue;
+    if (sticks(j) || at_[j].region > 0) continue;
     const auto [N, rate] = load(j, t, y);
     double g[Slopes<double>::capacity];
     at_[j].contact->evaluate({slip_rate(j, t, y), N, rate, sign(at_[j].mode)}, y + at_[j].first, g, force[j]);

@@ -21,7 +21,8 @@ enum class StopMode : std::int8_t { open, pushes, holds };
 /// 0. A contact whose t depends on those before it has no speed of its own; its slip rate follows from q̇.
 ///
 /// A contact that sticks exerts the force that keeps its slip rate 0. Where masses are shared these forces depend on
-/// each other, G F = V̇ − Tᵀ M⁻¹ R with G = Tᵀ M⁻¹ T over the contacts that stick and R all other forces.
+/// each other, G F = V̇ − Tᵀ M⁻¹ R with G = Tᵀ M⁻¹ T over the contacts that stick and R all other forces. One behind a
+/// spring exerts the force of that, whether its own point sticks or slips.
 ///
 /// Whoever follows a structure with stops sets their modes, as those of contacts. A coordinate that a stop holds does
 /// not move, whatever its forces are. Where the surface under it rests too, friction shares in that: the stop bears
@@ -54,7 +55,11 @@ class StructureSystem final : public SwitchingSystem {
   void set_mode(int contact, ContactMode mode) override;
   /// Every contact slips along its surface, as in steady sliding.
   void slide();
+  bool is_elastic(int contact) const override { return at_[switching_[contact]].is_elastic(); }
   int slip_rate_unknown(int contact) const override { return n_ + at_[switching_[contact]].row; }
+  double own_slip_rate(int contact, double t, const double* y) const override {
+    return contact_slip_rate(switching_[contact], t, y);
+  }
   double displacement(int contact, const double* y) const override;
   double reference_speed(int contact) const override { return at_[switching_[contact]].reference_speed; }
   bool contacts_decide_alone() const override { return is_diagonal_; }
@@ -136,7 +141,10 @@ class StructureSystem final : public SwitchingSystem {
     double area = 1;  ///< of all its stations
     double reference_speed = 0;
     ContactMode mode = ContactMode::forward;
-    bool sticks() const { return law->set_valued() && mode == ContactMode::stick; }
+    /// Slip rate (m/s) below which friction follows from the force that would hold the contact; 0 of most laws.
+    double region = 0;
+    /// Its stick holds coordinates.
+    bool sticks() const { return law->set_valued() && mode == ContactMode::stick && !is_elastic(); }
   };
   struct Load {
     double level, rate;
@@ -190,9 +198,21 @@ class StructureSystem final : public SwitchingSystem {
   double natural_stiffness(const Eigen::VectorXd& along, double force) const;
   const FrictionLaw& law(int contact) const { return *structure_.contacts[contact].law; }
   bool sticks(int contact) const { return at_[contact].sticks(); }
+  /// The limit that an elastic contact has in slip is an equation for its deflection.
+  bool is_at_limit(const At& at) const { return at.is_elastic() && at.mode != ContactMode::stick && !at.is_damped(); }
   Eigen::VectorXd speeds_of_surfaces(double t) const;
   Eigen::VectorXd accelerations_of_surfaces(double t) const;
   Eigen::VectorXd forces_without_stick(double t, const double* y, double* contact_rows) const;
+  Eigen::VectorXd forces_of_others(double t, const double* y, double* contact_rows) const;
+  /// The force that would hold a contact on its own coordinate, where all others exert R.
+  double holding(int contact, double t, const Eigen::VectorXd& R) const;
+  /// Friction of contacts whose law is smoothed by regions, and the forces that would hold them (N).
+  struct InRegions {
+    int contact;
+    double force, holding, slip;
+  };
+  std::vector<InRegions> regions(double t, const double* y) const;
+  std::vector<InRegions> add_regions(double t, const double* y, Eigen::VectorXd& R, double* contact_rows) const;
   void follow_modes();
 
   Structure structure_;
@@ -218,6 +238,7 @@ class StructureSystem final : public SwitchingSystem {
   Eigen::VectorXd coordinate_scale_, speed_scale_;
   std::vector<bool> is_held_;  ///< coordinates, by springs or contacts
   bool is_constant_;
+  bool has_regions_ = false;
   std::vector<StopMode> stop_mode_;
 };
 

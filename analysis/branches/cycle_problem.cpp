@@ -90,7 +90,8 @@ VectorXd CycleProblem::rates(double t, const std::vector<double>& y, double p) {
   system.evaluate(t, y.data(), f.data());
   system.mass(t, mass.data());
   VectorXd rates(moving_.size());
-  for (std::size_t j = 0; j < moving_.size(); ++j) rates[Index(j)] = f[moving_[j]] / mass[moving_[j]];
+  for (std::size_t j = 0; j < moving_.size(); ++j)
+    rates[Index(j)] = mass[moving_[j]] != 0 ? f[moving_[j]] / mass[moving_[j]] : 0;
   return rates;
 }
 
@@ -122,11 +123,7 @@ double CycleProblem::accuracy(double tolerance) const {
 VectorXd CycleProblem::begin(const std::vector<double>& y, double period, double p) {
   Oscillator& here = oscillator(p);
   is_driven_ = here.drive_period() > 0;
-  std::vector<double> mass(y.size());
-  here.system().mass(0, mass.data());
-  moving_.clear();
-  for (std::size_t i = 0; i < mass.size(); ++i)
-    if (mass[i] != 0) moving_.push_back(int(i));
+  moving_ = moving_unknowns(here.system());
   nodes_ = {{0, y}};
   std::vector<double> natural(y.size());
   here.system().scale(y.data(), natural.data());
@@ -148,8 +145,15 @@ CycleProblem::Born CycleProblem::born(const std::vector<double>& y, const Eigen:
   oscillator(p).system().scale(y.data(), natural.data());
   double largest = 0;
   const Index m = Index(moving_.size());
-  for (Index j = 0; j < m; ++j) largest = std::max(largest, std::abs(q[j]) / natural[moving_[j]]);
-  Eigen::VectorXcd w = q * (amplitude / largest);
+  // In steady sliding the deflection of an elastic contact is none of the unknowns that move.
+  std::vector<double> mass(y.size());
+  oscillator(p).system().mass(0, mass.data());
+  Eigen::VectorXcd w = Eigen::VectorXcd::Zero(m);
+  for (Index j = 0, of_mode = 0; j < m; ++j) {
+    if (mass[moving_[j]] != 0) w[j] = q[of_mode++];
+    largest = std::max(largest, std::abs(w[j]) / natural[moving_[j]]);
+  }
+  w *= amplitude / largest;
   set_sizes(w.cwiseAbs(), y, p);
   // The phase at which the cycle is farthest from steady sliding, and moves across that.
   Complex squares = 0;
@@ -285,6 +289,8 @@ class BorderWatch {
       auto& was = at_[c];
       const bool sticks = system_.mode(c) == ContactMode::stick;
       if (sticks != was.sticks) was = {.sticks = sticks};
+      // The end of an elastic contact's slip turns nothing over, at its limit or just short of it.
+      if (!sticks && system_.is_elastic(c)) continue;
       const int row = system_.slip_rate_unknown(c);
       const double direction = sticks ? 1 : sign(system_.mode(c)), V = system_.reference_speed(c);
       const auto acceleration = [&](double t, const double* state) {
@@ -316,7 +322,7 @@ class BorderWatch {
         continue;
       }
       ++count_[fmt::format("{} of contact {}", event.kind, event.contact + 1)];
-      if (system_.mode(event.contact) == ContactMode::stick) continue;
+      if (system_.mode(event.contact) == ContactMode::stick || system_.is_elastic(event.contact)) continue;
       if (event.kind == "stick" || event.kind == "reversal")
         holding_ = std::min(holding_, std::abs(margin_at_rest(event.contact, step.time(), step.state())));
       if (event.kind != "stick") continue;

@@ -29,12 +29,10 @@ enum class Directions { all, one };
 class Frame {
  public:
   Frame(StructureSystem& system, Directions directions) : system_(system), n_(system.size()) {
-    std::vector<double> mass(n_), rest(n_);
+    std::vector<double> rest(n_);
     scale_.resize(n_);
-    system.mass(0, mass.data());
     system.scale(rest.data(), scale_.data());
-    for (int i = 0; i < n_; ++i)
-      if (mass[i] != 0) moving_.push_back(i);
+    moving_ = moving_unknowns(system);
     columns_ = directions == Directions::all ? int(moving_.size()) : 1;
     restart();
   }

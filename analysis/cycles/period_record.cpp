@@ -184,7 +184,7 @@ std::vector<PeriodRecord::Place> PeriodRecord::places(double duration) const {
 
 /// q = mean + Σ A_n cos(n ω t + φ_n) with ω = 2π/duration. Under a periodic drive t is its time; else φ_1 = 0.
 void PeriodRecord::add_harmonics(int i, double duration, const std::vector<Place>& places) {
-  constexpr int most = 5;
+  constexpr int most = 9;
   const auto& name = record.names[i];
   const auto& unit = record.units[i];
   const auto& tableau = RadauTableau::get();

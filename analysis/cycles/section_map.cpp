@@ -54,11 +54,6 @@ double SectionMap::patience() const {
   return many * longest;
 }
 
-int SectionMap::moving_unknowns() const {
-  std::vector<double> mass(system_.size());
-  system_.mass(0, mass.data());
-  return int(std::ranges::count_if(mass, [](double m) { return m != 0; }));
-}
 
 void SectionMap::add_to_count(const Follower& follower) {
   const auto& done = follower.count();

@@ -40,8 +40,6 @@ class SectionMap {
                            const Observer& observe = {});
   /// A time in which anything that moves comes to the section (s).
   double patience() const;
-  /// Differential unknowns: those that have multipliers.
-  int moving_unknowns() const;
   motion::Follower::Count count;
   long most_steps = 5'000'000;
 

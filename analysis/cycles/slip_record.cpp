@@ -31,8 +31,12 @@ SlipSeen slip_seen(const StructureSystem& system, int j) {
   const double level = contact.speed.level(), N = contact.load_factor * contact.normal_load.level(),
                sign = level < 0 ? -1 : 1;
   const bool has_memory = contact.lambda > 0 && contact.law->has_states();
+  // Dry friction behind a spring rests while the spring yields.
+  const bool is_elastic = contact.stiffness.present() && contact.law->set_valued();
   return {
-      [&system, j, sign](double t, const double* y) { return sign * system.slip_rate(j, t, y); },
+      [&system, j, sign, is_elastic](double t, const double* y) {
+        return sign * (is_elastic ? system.contact_slip_rate(j, t, y) : system.slip_rate(j, t, y));
+      },
       [&system, j, sign, force = std::vector<double>(system.friction_contacts())](double t, const double* y) mutable {
         system.friction_forces(t, y, force.data());
         const double load = system.normal_load(j, t, y);

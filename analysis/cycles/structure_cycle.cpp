@@ -78,7 +78,7 @@ struct Period : PeriodRecord {
                    [this](Follower::Step& step, std::span<const Follower::Event> switches) { add(step, switches); });
     duration = arrived.duration;
     finish(duration);
-    const Eigen::Index wanted = map.moving_unknowns() - (map.driven() ? 0 : 1);
+    const Eigen::Index wanted = Eigen::Index(moving_unknowns(map.system()).size()) - (map.driven() ? 0 : 1);
     auto values = by_modulus(closed.derivative);
     values.resize(std::size_t(std::min<Eigen::Index>(wanted, Eigen::Index(values.size()))));
     multipliers = values;

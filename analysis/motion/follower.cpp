@@ -105,7 +105,7 @@ bool Follower::start(StickSlip& solver, double t, const std::vector<double>& y) 
 void Follower::settle_modes(double t, const std::vector<double>& y) {
   if (tangent_)  // no disturbance of a slip rate that stick holds
     for (int c = 0; c < system_.contacts(); ++c)
-      if (system_.mode(c) == ContactMode::stick)
+      if (system_.mode(c) == ContactMode::stick && !system_.is_elastic(c))
         std::fill_n(tangent_->begin() + long(system_.slip_rate_unknown(c)) * columns_, columns_, 0.0);
   // Slip on a surface that rests is slip away from the stop.
   for (int s = 0; s < stop_count(); ++s) {
@@ -358,7 +358,8 @@ void Follower::carry_across_switches(const StickSlip& solver) {
   };
   for (const auto& [contact, what] : solver.events()) {
     if (modes[contact] != ContactMode::stick) {
-      if (what != Switch::slip) ended.push_back(contact);  // a touch of rest changes nothing
+      // A touch of rest changes nothing, nor does stick of an elastic contact.
+      if (what != Switch::slip && !system_.is_elastic(contact)) ended.push_back(contact);
     } else if (const double left = margin(t, y.data(), contact) / held[contact].limit; left < least) {
       least = left, released = contact;
     }

@@ -31,9 +31,12 @@ oscillators::Structure frozen(oscillators::Structure structure) {
 }
 
 void require_sliding(const oscillators::Structure& structure) {
-  for (std::size_t j = 0; j < structure.contacts.size(); ++j)
-    if (structure.contacts[j].speed.level() == 0 && !structure.contacts[j].frictionless())
+  for (std::size_t j = 0; j < structure.contacts.size(); ++j) {
+    const auto& contact = structure.contacts[j];
+    const bool is_spring = contact.law->set_valued() && contact.stiffness.present();  // at rest
+    if (contact.speed.level() == 0 && !contact.frictionless() && !is_spring)
       throw InputError(fmt::format("contact {} is at rest, so that it has no steady sliding (speed, m/s)", j + 1));
+  }
 }
 
 namespace {

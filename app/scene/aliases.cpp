@@ -13,6 +13,7 @@
 #include "app/scene/scene_table.hpp"
 #include "app/scene/toml_document.hpp"
 #include "laws/catalogue.hpp"
+#include "laws/one_coefficient.hpp"
 
 namespace rosin::app::scene {
 
@@ -54,8 +55,7 @@ constexpr Alias aliases[] = {
     {"law", "vst vstribeck stribeckvelocity stribeckspeed", "v_s"},
     {"law", "delta deltas", "exponent"},
     {"law", "eta", "viscous"},
-    {"law", "mu frictioncoefficient", "mu_d",
-     "may be that of rest or of motion: give law.mu_s and law.mu_d, the same number for both if they are"},
+    {"law", "frictioncoefficient", "mu"},
     {"law", "fs fc fk fcoulomb fstatic fbrk breakawayfrictionforce coulombfrictionforce", "mu_d",
      "is a force: give coefficients, force over normal load, as law.mu_s (at rest) and law.mu_d (in motion)"},
     {"law", "fv viscousfrictioncoefficient", "viscous",
@@ -145,6 +145,7 @@ Keys keys_of_law(std::string_view type) {
     const auto& card = law->card();
     if (card.name != type && card.option.of != type) continue;
     for (const auto& parameter : law->parameters()) keys[parameter.name] = parameter.unit;
+    if (const auto both = laws::one_coefficient_of(*law)) keys[both->name] = both->unit;
     if (card.option.of == type) keys[std::string(card.option.key)] = "1";
   }
   if (!keys.empty())
@@ -201,6 +202,23 @@ class Walk {
     }
   }
 
+  /// law.mu becomes the coefficients that it stands for.
+  void give_at_once(toml::table& law, const std::string& path, const Keys& keys) {
+    const std::string key(laws::one_coefficient);
+    const auto* node = law.get(key);
+    if (!node || !keys.contains(key)) return;
+    for (const auto parameter : laws::rest_and_motion) {
+      const std::string name(parameter);
+      if (law.contains(name) && !is_override(*node))
+        fail(node->source(), "{0}.{1} is {0}.{2} and {0}.{3} at once, which is given too: leave {0}.{1} or {0}.{4} out",
+             path, key, laws::rest_and_motion[0], laws::rest_and_motion[1], name);
+      law.get(key)->visit([&](const auto& value) { law.insert_or_assign(name, value); });
+    }
+    note(fmt::format("{0}.{1} is {0}.{2} and {0}.{3} at once", path, key, laws::rest_and_motion[0],
+                     laws::rest_and_motion[1]));
+    law.erase(key);
+  }
+
   /// Every law at or below this node.
   void name_laws(toml::node& node, const std::string& path) {
     const auto below = [&](std::string_view key) {
@@ -220,7 +238,9 @@ class Walk {
           note(fmt::format("{}.type = '{}' is read as '{}'", below("law"), type->get(), name));
           type->get() = name;
         }
-        rename(law, "law", below("law"), keys_of_law(name));
+        const auto keys = keys_of_law(name);
+        rename(law, "law", below("law"), keys);
+        if (keys.contains(std::string(laws::rest_and_motion[0]))) give_at_once(law, below("law"), keys);
       }
     }
   }

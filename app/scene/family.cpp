@@ -10,6 +10,7 @@
 #include "app/scene/structure.hpp"
 #include "app/scene/toml_document.hpp"
 #include "app/tasks/bowing.hpp"
+#include "laws/one_coefficient.hpp"
 #include "oscillators/bowed_string.hpp"
 
 namespace rosin::app::scene {
@@ -21,6 +22,13 @@ std::string named(const std::string& path) {
   auto kept = without_numbers(path);
   if (kept.ends_with(".mean")) kept.resize(kept.size() - 5);
   return kept;
+}
+
+/// The path of the coefficient in motion for that of both, law.mu.
+std::string of_motion(const std::string& path) {
+  const auto dot = path.rfind('.') + 1;
+  return path.substr(dot) == laws::one_coefficient ? path.substr(0, dot) + std::string(laws::rest_and_motion.back())
+                                                   : path;
 }
 
 void read_slider(SceneReader& reader) { reader.law(), reader.oscillator(); }
@@ -89,6 +97,7 @@ Quantity Family::describe(const std::string& path) const {
 double Family::value(const std::string& path) const {
   const auto quantity = describe(path);
   const auto* node = node_at(document_, quantity.name);
+  if (!node) node = node_at(document_, of_motion(quantity.name));
   if (!node) throw InputError(fmt::format("'{}' is left to its default: give it in the scene", path));
   const Reference reference(document_);
   return number(*node, quantity);

@@ -12,6 +12,8 @@
 #include "laws/catalogue.hpp"
 #include "laws/formula.hpp"
 #include "laws/heating.hpp"
+#include "laws/one_coefficient.hpp"
+#include "laws/regions.hpp"
 
 namespace rosin::app::scene {
 
@@ -146,7 +148,8 @@ void smooth(SceneReader& reader, oscillators::Model& model) {
         fmt::format("solver.smoothing: a contact that creeps never stops, so that states of law '{}' count neither "
                     "time at rest nor slip from a stop",
                     law.card().name));
-  model.law = laws::smoothed(model.law, *reader.smoothing);
+  model.law = reader.smoothing ? laws::smoothed(model.law, *reader.smoothing)
+                               : laws::by_regions(model.law, reader.region_width);
   reader.smooths = true;
 }
 
@@ -170,9 +173,17 @@ void read_law(SceneReader& reader, Table law, oscillators::Model& model) {
   if (const auto* name = law.find("preset"))
     prototype = located(name->source(), [&] { return laws::preset(*prototype, text(*name, law.path("preset"))); });
   auto values = prototype->values();
+  const auto both = laws::one_coefficient_of(*prototype);
+  const auto* at_once = both ? law.find(laws::one_coefficient) : nullptr;
+  if (both && !at_once) {
+    auto quantity = *both;
+    quantity.name = law.path(quantity.name);
+    NumbersAsked::note(quantity);
+  }
   for (std::size_t i = 0; i < values.size(); ++i) {
     auto quantity = prototype->parameters()[i];
     const auto* node = law.find(quantity.name);
+    if (at_once && laws::is_rest_or_motion(quantity.name)) quantity.name = both->name, node = at_once;
     quantity.name = law.path(quantity.name);
     if (!node)
       NumbersAsked::note(quantity);
@@ -183,7 +194,8 @@ void read_law(SceneReader& reader, Table law, oscillators::Model& model) {
   }
   model.law = located(law.source(), [&] { return prototype->with(std::move(values)); });
   if (formula) located_in_formula(*formula, [&] { laws::check_formula(*model.law); });
-  if (reader.smoothing && model.law->set_valued()) smooth(reader, model);
+  if ((reader.smoothing || reader.region_width > 0) && model.law->set_valued())
+    located(law.source(), [&] { smooth(reader, model); });
 
   if (auto heat = law.table("heating")) {
     laws::Heating heating;

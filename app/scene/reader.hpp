@@ -19,6 +19,7 @@ struct SceneReader {
   std::filesystem::path folder;                   ///< in which files that the scene names are looked for
   std::set<std::string, std::less<>> needed;      ///< tables without which the verb has nothing to do
   std::optional<laws::Smoothing> smoothing = {};  ///< of every set-valued law of the scene
+  double region_width = 0;                        ///< m/s, of the same by regions; 0: not asked for
   bool smooths = false;                           ///< it has met one
   Reference reference = Reference(document);      ///< area and radius of its contact
 

@@ -26,23 +26,28 @@ void SceneReader::find_smoothing() {
   table.expect({"type", "width"});
   const auto names = laws::smoothing_names();
   std::vector<std::string> known(names.begin(), names.end());
-  const std::vector<std::string> reserved = {"switch", "multi-region"};
-  known.insert(known.end(), reserved.begin(), reserved.end());
-  const auto& type = table.required("type", fmt::format("one of {}", fmt::join(names, ", ")));
+  constexpr std::string_view by_regions = "multi-region", by_switch = "switch";
+  known.emplace_back(by_regions);
+  const auto types = fmt::format("one of {}", fmt::join(known, ", "));
+  known.emplace_back(by_switch);
+  const auto& type = table.required("type", types);
   const auto name = choice(type, table.path("type"), known);
-  if (std::ranges::find(reserved, name) != reserved.end())
+  if (name == by_switch)
     fail(type.source(),
-         "{} = '{}' is not available in this version: it needs the force that would hold the contact, not friction "
-         "alone; use one of {}",
-         table.path("type"), name, fmt::join(names, ", "));
-  smoothing.emplace().type = laws::Smoothing::Type(std::ranges::find(names, name) - names.begin());
-  const auto& width = laws::smoothing_width();
-  smoothing->width = number(table.required("width", width.meaning + ", m/s"), width);
+         "{} = '{}' is not available: its friction jumps at the edge of the width, where rosin locates stick and slip "
+         "themselves; leave smoothing out, or use {}",
+         table.path("type"), name, types);
+  const auto& quantity = laws::smoothing_width();
+  const double width = number(table.required("width", quantity.meaning + ", m/s"), quantity);
+  if (name == by_regions)
+    region_width = width;
+  else
+    smoothing = {laws::Smoothing::Type(std::ranges::find(names, name) - names.begin()), width};
   table.finish();
 }
 
 void SceneReader::require_smoothing_to_matter() const {
-  if (!smoothing || smooths) return;
+  if ((!smoothing && region_width == 0) || smooths) return;
   const auto& source = document.at_path(smoothing_path).node()->source();
   if (!scene.model.law) fail(source, "{} has no effect: the scene has no friction law", smoothing_path);
   fail(source, "{} has no effect: no law here is set-valued, '{}' is smooth as it is; leave it out", smoothing_path,
@@ -74,6 +79,7 @@ void SceneReader::oscillator() {
   type.read(*this, oscillator_table(node), true);
   type.read_drive(*this, Table(need("drive", "speed and normal load"), "drive"), true);
   read_servo_of(*this, node);
+  if (!scene.plane && !scene.structure && !scene.string) read_slider_as_structure(*this);
   if (!scene.plane && !scene.structure) located(node.source(), [&] { scene.model.check(); });
   if (!scene.structure && scene.model.drive.normal_load.constant())
     note_unread({"law.load_memory"}, "the normal load is constant");

@@ -1,7 +1,7 @@
 /// A structure by its matrices, and what all structures share.
 #include "app/scene/structure.hpp"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -12,6 +12,7 @@
 #include "app/scene/reduced_block.hpp"
 #include "app/scene/signal.hpp"
 #include "app/scene/start.hpp"
+#include "laws/regions.hpp"
 
 namespace rosin::app::scene {
 
@@ -252,6 +253,21 @@ void read_structure_model(SceneReader& reader) {
   if (auto cycle = reader.root.table("cycle"))
     if (const auto* start = cycle->find("start"))
       scene.structure->start = read_start_of_structure(*start, cycle->path("start"), scene);
+}
+
+void read_slider_as_structure(SceneReader& reader) {
+  auto& scene = reader.scene;
+  const auto& model = scene.model;
+  const bool dry_spring = model.law->set_valued() && model.contact_stiffness.present();
+  if (!dry_spring && laws::region_width(*model.law) == 0) return;
+  const auto& source = reader.root.find("oscillator")->source();
+  if (std::ranges::find(verbs_of_structures, reader.request.verb) == verbs_of_structures.end())
+    fail(source, "{} makes the slider a structure, which serves {} only, not '{}'",
+         dry_spring ? fmt::format("law.contact_stiffness of law '{}'", model.law->card().name)
+                    : "solver.smoothing.type = 'multi-region'",
+         fmt::join(verbs_of_structures, ", "), reader.request.verb);
+  located(source, [&] { model.check(); });
+  scene.structure.emplace().structure = located(source, [&] { return oscillators::one_slider(model); });
 }
 
 analysis::motion::StructureStart read_structure_start(const toml::node& node, const std::string& path,

@@ -39,6 +39,10 @@ void read_stops(SceneReader&, Table& oscillator);
 /// coordinate. Nothing where it has none.
 void read_slider_stops(SceneReader&, Table oscillator);
 
+/// A slider becomes a structure where its contact needs one: dry friction behind law.contact_stiffness, and smoothing
+/// by regions. \throws InputError for a verb that follows no structure
+void read_slider_as_structure(SceneReader&);
+
 /// oscillator.servo, of a slider or a structure that is read: a slider becomes a structure.
 void read_servo(SceneReader&, const toml::node& servo);
 

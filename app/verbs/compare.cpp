@@ -109,8 +109,8 @@ class MemberReader {
   void read() {
     scene::Scene scene;
     scene.path = protocol_.target;
-    scene::SceneReader reader{protocol_, document_,      scene::Table(document_, ""), scene, base_.folder,
-                              {},        base_.smoothing};
+    scene::SceneReader reader{protocol_, document_,       scene::Table(document_, ""), scene, base_.folder,
+                              {},        base_.smoothing, base_.region_width};
     scene::located(node_.source(), [&] { find_verb(protocol_.verb).read(reader); });
     base_.smooths = base_.smooths || reader.smooths;
     for (const auto& note : scene.notes)
@@ -202,7 +202,8 @@ void read_compare(scene::SceneReader& reader) {
   reader.need("drive", "speed and normal load");
   Request as_protocol = reader.request;
   as_protocol.verb = design ? "map" : compare.protocol;
-  scene::SceneReader base{as_protocol, reader.document, reader.root, scene, reader.folder, {}, reader.smoothing};
+  scene::SceneReader base{as_protocol, reader.document,  reader.root,        scene, reader.folder,
+                          {},          reader.smoothing, reader.region_width};
   find_verb(as_protocol.verb).read(base);
   reader.smooths = base.smooths;
   if (as_protocol.verb == "map" && scene.task<analysis::planes::MapOptions>().y.values.empty())

@@ -56,10 +56,22 @@ void read_cycle_table(scene::Table table, scene::SceneReader& reader) {
   table.finish();
 }
 
+/// s; 0: the drive is constant
+double drive_period_of(const scene::Scene& scene) {
+  if (const auto* stepped = scene::stepped_of(scene)) return stepped->drive_period;
+  return scene.structure ? common_period(scene.structure->structure) : 0;
+}
+
+/// Under a periodic drive also the answer at its frequency, which is a harmonic of a motion that takes several periods.
 std::vector<std::string> told_metrics(const scene::Scene& scene, const StructureCycle& cycle) {
   std::vector<std::string> known;
   for (const auto& [name, measure] : cycle.metrics) known.push_back(name);
-  return verbs::told_metrics(scene, known);
+  auto told = verbs::told_metrics(scene, known);
+  if (drive_period_of(scene) > 0)
+    for (const char* of : {"_harmonic_", "_phase_"})
+      for (const auto& name : known)
+        if (name.ends_with(fmt::format("{}{}", of, cycle.returns))) told.push_back(name);
+  return told;
 }
 
 /// The motion over one period.
@@ -148,10 +160,7 @@ StructureCycle find(Job& job, double drive) {
 Status perform_cycle(Job& job) {
   auto& scene = job.scene();
   if (scene.string) return perform_string_cycle(job);
-  const auto* stepped = scene::stepped_of(scene);
-  const double drive = stepped           ? stepped->drive_period
-                       : scene.structure ? common_period(scene.structure->structure)
-                                         : 0;
+  const double drive = drive_period_of(scene);
   const auto begin = std::chrono::steady_clock::now();
   const auto cycle = find(job, drive);
   auto& manifest = job.manifest();

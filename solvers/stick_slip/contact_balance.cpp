@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 namespace rosin::solvers::stick_slip {
@@ -24,8 +25,16 @@ class Decision {
         held_(ended.size()),
         acceleration_(ended.size()),
         lets_go_for_good_(ended.size()) {
+    for (int i = 0; i < contacts(); ++i) before_.push_back(system.mode(i));
+    bool asked = false;
     for (int i = 0; i < contacts(); ++i) {
-      before_.push_back(system.mode(i));
+      if (system.is_elastic(i)) {
+        if (!std::exchange(asked, true)) system.held(t, y, held_.data());
+        next_[i] = ended[i] == Ended::slip    ? ContactMode::stick
+                   : ended[i] == Ended::stick ? slip_along(held_[i].force)
+                                              : before_[i];
+        continue;
+      }
       if (ended[i] == Ended::slip || before_[i] == ContactMode::stick) at_rest_.push_back(i);
       next_[i] = ended[i] == Ended::slip ? ContactMode::stick : before_[i];
     }
@@ -164,6 +173,21 @@ class Decision {
 };
 
 }  // namespace
+
+ContactMode mode_behind_spring(SwitchingSystem& system, int contact, double t, const double* y) {
+  const ContactMode before = system.mode(contact);
+  std::vector<SwitchingSystem::Held> held(system.contacts());
+  system.set_mode(contact, ContactMode::stick);
+  system.held(t, y, held.data());
+  ContactMode mode = ContactMode::stick;
+  if (const auto& [force, limit, digits] = held[contact]; std::abs(force) >= limit * (1 - located) - digits) {
+    mode = slip_along(force);
+    system.set_mode(contact, mode);
+    if (!(sign(mode) * system.own_slip_rate(contact, t, y) > 0)) mode = ContactMode::stick;
+  }
+  system.set_mode(contact, before);
+  return mode;
+}
 
 Balance balance_contacts(SwitchingSystem& system, double t, const double* y, std::span<const Ended> ended,
                          std::span<ContactMode> next) {

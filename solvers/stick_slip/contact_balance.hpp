@@ -21,6 +21,10 @@ enum class Ended : std::int8_t {
   slip,     ///< its slip rate has come to 0
 };
 
+/// Of an elastic contact that a motion starts with: where its spring bears the limit, or more, it slips if that takes
+/// its point along the force. The system keeps its mode.
+ContactMode mode_behind_spring(SwitchingSystem&, int contact, double t, const double* y);
+
 /// How a decision went.
 struct Balance {
   Outcome outcome;
@@ -35,7 +39,8 @@ struct Balance {
 /// those of a strictly convex problem), and where contacts share no mass each decides alone.
 ///
 /// Stick that has ended gives way without question. Slip that has ended is held if the contact can, or but for
-/// rounding where it would reverse (Leine & Nijmeijer 2004, chapter 6).
+/// rounding where it would reverse (Leine & Nijmeijer 2004, chapter 6). An elastic contact goes from each mode that has
+/// ended to the other.
 ///
 /// \param y      unknowns at time t, with slip rates of exactly 0 where contacts are at rest
 /// \param ended  contacts() entries; the modes of the system are those before

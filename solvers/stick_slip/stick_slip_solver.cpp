@@ -77,6 +77,7 @@ double StickSlip::landing_time() {
   bool asked = false;
   double soonest = infinity;
   for (int contact = 0; contact < int(contacts_.size()); ++contact) {
+    if (system_.is_elastic(contact)) continue;
     const int i = system_.slip_rate_unknown(contact);
     const double u = state()[i];
     if (system_.mode(contact) == ContactMode::stick || !(std::abs(u) > 1e-8 * system_.reference_speed(contact)))
@@ -103,15 +104,20 @@ double StickSlip::landing_time() {
 }
 
 /// Positive while the present mode of the contact lasts. `held_` is of y where it sticks.
-double StickSlip::indicator_of_held(int contact, const double* y) const {
+double StickSlip::indicator_of_held(int contact, double t, const double* y) const {
   const ContactMode mode = system_.mode(contact);
   return mode == ContactMode::stick ? held_[contact].limit - std::abs(held_[contact].force)
-                                    : sign(mode) * y[system_.slip_rate_unknown(contact)];
+                                    : sign(mode) * system_.own_slip_rate(contact, t, y);
+}
+
+/// Rounding must not end a slip at the rest, nor the stick of an elastic contact at the limit, that it started from.
+bool StickSlip::may_end(int contact) const {
+  return contacts_[contact].armed || (system_.mode(contact) == ContactMode::stick && !system_.is_elastic(contact));
 }
 
 double StickSlip::indicator(int contact, double t, const double* y) {
   if (system_.mode(contact) == ContactMode::stick) system_.held(t, y, held_.data());
-  return indicator_of_held(contact, y);
+  return indicator_of_held(contact, t, y);
 }
 
 /// True if a stop in y leaves the contact more than rounding short of its limit.
@@ -147,6 +153,11 @@ bool StickSlip::start(double t, std::span<const double> y) {
   std::vector<Ended> ended(count);
   bool all_at_rest = true;
   for (int i = 0; i < count; ++i) {
+    if (system_.is_elastic(i)) {
+      system_.set_mode(i, mode_behind_spring(system_, i, t, y.data()));
+      contacts_[i].armed = false;
+      continue;
+    }
     const double u = y[system_.slip_rate_unknown(i)];
     contacts_[i].armed = std::abs(u) > rest * system_.reference_speed(i);
     all_at_rest = all_at_rest && !contacts_[i].armed;
@@ -171,7 +182,7 @@ bool StickSlip::begin_upcoming(double t_limit) {
     system_.set_mode(i, upcoming_[i]);
   }
   for (const auto& [contact, what] : events_)
-    if (what == Switch::slip && contacts_[contact].ended != Ended::slip)
+    if (what == Switch::slip && contacts_[contact].ended != Ended::slip && !system_.is_elastic(contact))
       system_.release(contact, collocation_.time(), behind_switch_.data());
   switched_ = false;
   energy_.begin_elsewhere();
@@ -188,7 +199,7 @@ void StickSlip::read_indicators() {
     if (node > 0) collocation_.stage(node - 1, work_.data());
     const double* y = node == 0 ? collocation_.state_before().data() : work_.data();
     if (sticks()) system_.held(t, y, held_.data());
-    for (int i = 0; i < int(contacts_.size()); ++i) contacts_[i].indicator[node] = indicator_of_held(i, y);
+    for (int i = 0; i < int(contacts_.size()); ++i) contacts_[i].indicator[node] = indicator_of_held(i, t, y);
   }
 }
 
@@ -196,13 +207,12 @@ void StickSlip::read_indicators() {
 StickSlip::End StickSlip::look_at_nodes(int contact) {
   ContactState& at = contacts_[contact];
   const bool sticks = system_.mode(contact) == ContactMode::stick;
-  const double small = rest * system_.reference_speed(contact);
+  const double small = noise(contact);
   End end{.contact = contact, .low_value = at.indicator[0], .at = {}};
   at.lowest = infinity;
   for (int node = 1; node < nodes; ++node) {
     const double value = at.indicator[node], theta = collocation_.node(node - 1);
-    if (!sticks && !at.armed) {
-      // Slip that has only just begun: rounding must not end it.
+    if (!may_end(contact)) {
       if (value > small) at.armed = true;
       if (value > -small) {
         end.low = theta, end.low_value = value;
@@ -298,7 +308,8 @@ bool StickSlip::locate_first_of_many(double& first) {
     std::erase_if(found_, [&](End& end) {
       if (end.touched) return *end.at >= first;
       if (end.low >= first) return true;
-      end.high = std::min(end.high, first), end.high_value = indicator_of_held(end.contact, work_.data());
+      end.high = std::min(end.high, first),
+      end.high_value = indicator_of_held(end.contact, collocation_.time_at(first), work_.data());
       return end.high_value >= -noise(end.contact);  // what ends at the same instant switch_at finds
     });
   }
@@ -327,7 +338,7 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
     at.had_left = sticks ? had_begun : at.armed;
     at.ended = Ended::nothing;
     End end = look_at_nodes(i);
-    if (!end.found() && (sticks || at.armed))
+    if (!end.found() && may_end(i))
       if (Outcome outcome = look_between_nodes(end); !outcome.complete()) return outcome;
     if (end.found()) found_.push_back(end);
   }
@@ -358,9 +369,10 @@ Outcome StickSlip::switch_at(double theta, Switch& switched) {
   if (sticks()) system_.held(t, collocation_.state().data(), held_.data());
   for (int i = 0; i < count; ++i) {
     ContactState& at = contacts_[i];
-    if (at.ended == Ended::nothing && count > 1 && (system_.mode(i) == ContactMode::stick || at.armed) &&
-        indicator_of_held(i, collocation_.state().data()) <= noise(i))
+    if (at.ended == Ended::nothing && count > 1 && may_end(i) &&
+        indicator_of_held(i, t, collocation_.state().data()) <= noise(i))
       at.ended = ended_mode(i);
+    if (system_.is_elastic(i)) continue;
     if (at.ended == Ended::stick) behind_switch_[system_.slip_rate_unknown(i)] = 0;
     if (at.ended == Ended::slip) system_.stop(i, behind_switch_.data());
   }

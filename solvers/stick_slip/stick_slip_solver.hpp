@@ -65,7 +65,8 @@ class StickSlip {
  private:
   static constexpr int nodes = steps::Collocation::stages + 1;  ///< of a step, with its start
   struct ContactState {
-    bool armed = false;        ///< slip has left the neighbourhood of rest that it started from
+    bool armed = false;        ///< slip has left the neighbourhood of rest that it started from, or stick of an elastic
+                               ///< contact that of its limit
     bool had_left = false;     ///< it had before the last step; or stick had begun before it
     double lowest = infinity;  ///< in the last step
     std::array<double, nodes> indicator;
@@ -81,7 +82,8 @@ class StickSlip {
   };
   bool slips() const;   ///< some contact does
   bool sticks() const;  ///< some contact does
-  double indicator_of_held(int contact, const double* y) const;
+  bool may_end(int contact) const;  ///< the mode is not one that has only just begun
+  double indicator_of_held(int contact, double t, const double* y) const;
   double indicator(int contact, double t, const double* y);
   bool holds(int contact, double t, std::vector<double> y);
   double landing_time();
