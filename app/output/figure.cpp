@@ -324,6 +324,8 @@ Sheet Script::sheet() const {
       .width = figure_.width, .panels = int(panels.size()), .columns = figure_.columns, .panel = figure_.height};
   const bool colours = std::ranges::any_of(panels, [](const Panel& panel) { return panel.colours.has_value(); });
   if (colours) layout.right = 120, layout.between_columns = 205;
+  for (const auto& panel : panels)  // a surface has its scale of colours farther away
+    if (std::ranges::count(panel.lines, How::surface, &Line::how) > 0) layout.right = 150;
   const auto is_titled = [](const Panel& panel) { return !panel.title.empty(); };
   const bool above =
       std::ranges::any_of(panels, [&](const Panel& panel) { return is_titled(panel) || key_is_above(panel); });
@@ -381,7 +383,11 @@ void Script::set_axis(char name, const Axis& axis, const Along& drawn, bool is_l
                   : axis.decades && !few ? "10^{%T}"
                                          : "%g"),
       "set format " + n + " '%g'");
-  set(n + "range", fmt::format("set {}range {}", name, range_of(axis, drawn)), "set " + n + "range [*:*]");
+  // Gnuplot would go on to whole decades, beyond the ticks.
+  const auto range = few && std::isnan(axis.from) && std::isnan(axis.to)
+                         ? fmt::format("[{:g}:{:g}]", 0.9 * axis.shown.low, 1.1 * axis.shown.high)
+                         : range_of(axis, drawn);
+  set(n + "range", fmt::format("set {}range {}", name, range), "set " + n + "range [*:*]");
   set(n + "tics", ticks_of(name, axis, drawn, is_last, room), "set " + n + "tics autofreq");
   set(n + "label",
       is_last ? fmt::format("named = {0}; set {1}label named font fitted_{1}(named)", label_of(axis, drawn), name)
