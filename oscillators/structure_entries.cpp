@@ -65,13 +65,11 @@ void StructureSystem::linearise_entries(double t, const double* y, double* f, do
     entry(n_ + i, i) -= k, entry(n_ + i, n_ + i) -= c * along_[i];
   }
   // Contacts under regions come last: their friction answers to all other forces on their coordinate.
-  std::vector<int> order;
-  for (const bool in_regions : {false, true})
-    for (int j = 0; j < friction_contacts(); ++j)
-      if ((at_[j].region > 0) == in_regions) order.push_back(j);
   const auto of_regions = regions(t, y);
   auto of_region = of_regions.begin();
-  for (const int j : order) {
+  for (int place = 0; place < (has_regions_ ? 2 : 1) * friction_contacts(); ++place) {
+    const int j = place % friction_contacts();
+    if ((at_[j].region > 0) != (place >= friction_contacts())) continue;
     const At& at = at_[j];
     const int nz = at.contact->unknowns();
     const auto [N, rate] = load(j, t, y);

@@ -324,8 +324,8 @@ Sheet Script::sheet() const {
       .width = figure_.width, .panels = int(panels.size()), .columns = figure_.columns, .panel = figure_.height};
   const bool colours = std::ranges::any_of(panels, [](const Panel& panel) { return panel.colours.has_value(); });
   if (colours) layout.right = 120, layout.between_columns = 205;
-  for (const auto& panel : panels)  // a surface has its scale of colours farther away
-    if (std::ranges::count(panel.lines, How::surface, &Line::how) > 0) layout.right = 150;
+  for (const auto& panel : panels)  // a surface has its scale of colours and the name of its axis farther away
+    if (std::ranges::count(panel.lines, How::surface, &Line::how) > 0) layout.right = 150, layout.below = 66;
   const auto is_titled = [](const Panel& panel) { return !panel.title.empty(); };
   const bool above =
       std::ranges::any_of(panels, [&](const Panel& panel) { return is_titled(panel) || key_is_above(panel); });

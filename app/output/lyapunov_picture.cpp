@@ -18,7 +18,7 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
   auto figure = figure_of(scene, "lyapunov",
                           is_cycle ? "Growth of disturbances over a period"
                                    : "Running averages of Lyapunov exponents, with the standard error of the last");
-  figure.height = 180;
+  figure.height = 180, figure.key = Key::below;
   auto time = axis_of("time", "s");
   time.from = 0, time.to = spectrum.time.back();
   for (std::size_t c = 0; c < std::min(spectrum.course.size(), most_panels); ++c) {

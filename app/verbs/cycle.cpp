@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "analysis/cycles/stepped_cycle.hpp"
 #include "app/output/pictures.hpp"
@@ -82,6 +83,15 @@ results::Table table_of(const StructureCycle& cycle) {
   return results::rows("cycle", std::move(columns));
 }
 
+/// A small change neither grows nor dies out, within the error of the largest multiplier: an element that sticks
+/// throughout keeps its offset.
+bool is_marginal(const StructureCycle& cycle) {
+  if (cycle.multipliers.empty()) return false;
+  constexpr double rounding = 1e-13;
+  const double error = cycle.multiplier_errors.front();
+  return std::isfinite(error) && std::abs(std::abs(cycle.multipliers.front()) - 1) <= std::max(error, rounding);
+}
+
 results::Result result_of(const Job& job, const StructureCycle& cycle) {
   const auto& scene = job.scene();
   auto result = job.result(cycle.outcome);
@@ -98,7 +108,9 @@ results::Result result_of(const Job& job, const StructureCycle& cycle) {
   result["coordinate_min"] = cycle.coordinate_min;
   result["returns"] = cycle.returns;
   result.add({"multipliers"}, results::pairs(cycle.multipliers), cycle.multiplier_errors);
-  result["stable"] = cycle.returns > 0 && !cycle.growth ? ordered_json(cycle.stable) : ordered_json();
+  const bool decided = cycle.returns > 0 && !cycle.growth && !is_marginal(cycle);
+  result["stable"] = decided ? ordered_json(cycle.stable) : ordered_json();
+  result["marginal"] = is_marginal(cycle);
   if (cycle.growth) result.add({"growth"}, *cycle.growth);
   if (!cycle.symmetry.empty()) result["symmetry"] = cycle.symmetry;
   result["events"] = results::events(cycle.events);
@@ -188,7 +200,10 @@ Status perform_cycle(Job& job) {
         "free oscillation, whose amplitude is that of the start: friction changes it by {:.1e} of itself in a period",
         *cycle.growth);
   if (!cycle.multipliers.empty())
-    job.say("{}: largest multiplier {}", cycle.stable ? "stable" : "unstable",
+    job.say("{}: largest multiplier {}",
+            is_marginal(cycle) ? "marginal"
+            : cycle.stable     ? "stable"
+                               : "unstable",
             justified(std::abs(cycle.multipliers.front()), cycle.multiplier_errors.front(), "1"));
   for (const auto* left_out : {&cycle.multipliers_left_out, &cycle.metrics_left_out})
     if (!left_out->empty()) job.note(*left_out);

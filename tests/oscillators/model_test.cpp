@@ -65,7 +65,7 @@ TEST_CASE("parts that do not fit together are refused with the reason") {
 
   Model spring = slider("coulomb");
   spring.contact_stiffness.tangential = 1e6;
-  CHECK_THROWS_WITH(spring.check(), Catch::Contains("'dahl' and 'lugre'"));
+  CHECK_THROWS_WITH(spring.check(), Catch::Contains("give mu_s = mu_d (a Jenkins element)"));
 
   Model ageing = slider("ageing");
   ageing.contact_stiffness = {1e6, 1e5};

@@ -70,7 +70,8 @@ TEST_CASE("every number of a scene is a parameter: entries of matrices, of conta
   CHECK(changed.force[0].piece(0).terms[0].amplitude == 1);
   CHECK(changed.contacts[0].law->static_limit(1) == 0.9);
   CHECK(changed.contacts[1].law->static_limit(1) == 0.2);
-  CHECK_THROWS_WITH(family.describe("law.mud"), Contains("no number of this scene") && Contains("law.mu_d"));
+  CHECK_THROWS_WITH(family.describe("law.mud"),
+                    Contains("no number of this scene") && Contains("did you mean 'law.mu'?"));
   CHECK_THROWS_WITH(family.describe("contacts.3.normal_load"), Contains("list of 2"));
   CHECK_THROWS_WITH(family.with({{"law.mu_d", 11}}), Contains("outside 0 … 10"));
 }
