@@ -54,7 +54,6 @@ double SectionMap::patience() const {
   return many * longest;
 }
 
-
 void SectionMap::add_to_count(const Follower& follower) {
   const auto& done = follower.count();
   count = {count.steps + done.steps, count.evaluations + done.evaluations, count.choices + done.choices};
