@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "app/command_line.hpp"
-#include "app/results/table.hpp"
 #include "app/report/quantities.hpp"
+#include "app/results/table.hpp"
 #include "app/scene/aliases.hpp"
 #include "app/scene/toml_document.hpp"
 #include "app/verbs/job.hpp"

@@ -46,8 +46,7 @@ Variable words(const std::string& name, const std::vector<std::string>& values, 
   size.resize(std::max<std::size_t>(size.size(), 2), 1);
   std::vector<matvar_t*> cells;
   for (const auto& value : values) cells.push_back(word(nullptr, value).release());
-  return made(
-      Mat_VarCreate(name.c_str(), MAT_C_CELL, MAT_T_CELL, int(size.size()), size.data(), cells.data(), 0));
+  return made(Mat_VarCreate(name.c_str(), MAT_C_CELL, MAT_T_CELL, int(size.size()), size.data(), cells.data(), 0));
 }
 
 void write_mat(const std::filesystem::path& path, const Table& table, const Result& result) {

@@ -6,8 +6,8 @@
 #include <mutex>
 
 #include "app/companion.hpp"
-#include "app/results/result.hpp"
 #include "app/results/manifest.hpp"
+#include "app/results/result.hpp"
 #include "app/scene/scene.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
@@ -194,12 +194,12 @@ verbs::Status verify(const Request& request) {
   auto list = ordered_json::array();
   for (const auto& answer : answers) list.push_back(to_json(answer));
   const auto document = results::text({{"verb", "verify"},
-                                      {"version", ROSIN_VERSION},
-                                      {"outcome", name(outcome.ending)},
-                                      {"passed", sound},
-                                      {"summary", counted(answers)},
-                                      {"seconds", verbs::seconds_since(begin)},
-                                      {"cases", std::move(list)}});
+                                       {"version", ROSIN_VERSION},
+                                       {"outcome", name(outcome.ending)},
+                                       {"passed", sound},
+                                       {"summary", counted(answers)},
+                                       {"seconds", verbs::seconds_since(begin)},
+                                       {"cases", std::move(list)}});
   verbs::draw_pictures(request, folder, manifest);
   manifest.files.emplace_back("verify.json");
   scene::Scene none;

@@ -80,8 +80,8 @@ class StickSlip {
     std::optional<double> at;  ///< part of the step after which the mode ends
     bool found() const { return high >= 0 || touched; }
   };
-  bool slips() const;   ///< some contact does
-  bool sticks() const;  ///< some contact does
+  bool slips() const;               ///< some contact does
+  bool sticks() const;              ///< some contact does
   bool may_end(int contact) const;  ///< the mode is not one that has only just begun
   double indicator_of_held(int contact, double t, const double* y) const;
   double indicator(int contact, double t, const double* y);
