@@ -335,6 +335,12 @@ void state_errors(PeriodRecord& fine, const PeriodRecord& coarse, double known) 
     const bool is_phase = name.find("_phase_") != std::string::npos;  // coordinates may be angles, too
     double apart = measure.value - coarse.metrics.at(name).value, size = std::abs(measure.value);
     if (is_phase) apart = std::remainder(apart, 2 * std::numbers::pi), size = std::max(size, 1.0);
+    // What is left of the period is a part of the whole oscillation, and of a small harmonic more.
+    if (const auto n = name.rfind('_'); is_phase || name.find("_harmonic_") != std::string::npos) {
+      const auto of = name.substr(0, name.rfind('_', n - 1)) + "_harmonic_";
+      const double first = fine.metrics.at(of + "1").value, own = fine.metrics.at(of + name.substr(n + 1)).value;
+      size = std::max(size, is_phase && own > 0 ? first / own : first);
+    }
     for (const std::string_view end : {"_max", "_min", "_mean"})  // in which an oscillation may cancel
       if (name.ends_with(end))
         size = std::max(size, fine.metrics.at(name.substr(0, name.size() - end.size()) + "_amplitude").value);
