@@ -17,7 +17,6 @@
 
 #include "app/command_line.hpp"
 #include "app/report/quantities.hpp"
-#include "app/results/table.hpp"
 #include "app/scene/aliases.hpp"
 #include "app/scene/toml_document.hpp"
 #include "app/verbs/job.hpp"
@@ -163,5 +162,4 @@ PYBIND11_MODULE(_rosin, module) {
   module.def("verbs", &verb_list);
   module.def("unit_of", &unit_of, py::arg("name"), py::arg("stated"));
   module.def("own_path", &own_path, py::arg("text"), py::arg("path"));
-  module.def("axis_names", &results::axis_names, py::arg("paths"), py::arg("taken"));
 }

@@ -303,7 +303,7 @@ results::Result result_of(const Job& job, const Basins& found) {
   auto result = job.result(found.outcome);
   auto attractors = ordered_json::array();
   for (const auto& basin : found.basins) {
-    results::Object one, metrics;
+    results::Object one;
     one["kind"] = name(basin.attractor.kind);
     if (!places.empty()) {
       one["share"] = found.shares_of > 0 ? ordered_json(basin.share) : ordered_json();

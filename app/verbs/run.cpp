@@ -329,7 +329,7 @@ Status perform_run(Job& job) {
           "  {:<22} ends at {}", run.column_names[c],
           justified(run.columns[c].back(), c < run.column_error.size() ? run.column_error[c] : 0, run.column_units[c]));
   if (asked.stepping && run.metrics.contains("apparent_friction")) say_averages(job, run.metrics);
-  if (lists_slips(run)) tell_of(job, table_of(run.slips));
+  if (lists_slips(run)) tell_of(job, result.tables.back());
   if (run.time.size() < 2) return job.finish(result);
   auto files = scene.block ? output::write_block_picture(job.folder(), scene, run)
                            : output::write_picture(job.folder(), scene, run);
