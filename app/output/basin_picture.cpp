@@ -108,7 +108,13 @@ FigureTable cells_of(const tasks::Basin& task, const Basins& found) {
 Axis axis_of_starts(const StartAxis& axis, bool has_cells) {
   const auto [low, high] = std::ranges::minmax(axis.values);
   const double margin = has_cells ? 0.5 * std::abs(axis.values[1] - axis.values[0]) : 0;
-  return {.name = readable(axis.name) + " at the start", .unit = axis.unit, .from = low - margin, .to = high + margin};
+  const auto [words, symbol] = in_words(axis.name);
+  return {.name = words,
+          .unit = axis.unit,
+          .symbol = symbol,
+          .detail = "at the start",
+          .from = low - margin,
+          .to = high + margin};
 }
 
 }  // namespace

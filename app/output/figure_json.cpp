@@ -13,8 +13,8 @@ namespace {
 /// Leaves out what is unset, empty or false.
 void add(ordered_json& object, const char* key, ordered_json value) {
   const bool none = value.is_null() || (value.is_number_float() && !std::isfinite(value.get<double>())) ||
-                    (value.is_boolean() && !value.get<bool>()) ||
-                    ((value.is_string() || value.is_structured()) && value.empty());
+                    (value.is_boolean() && !value.get<bool>()) || (value.is_structured() && value.empty()) ||
+                    value == "";
   if (!none) object[key] = std::move(value);
 }
 
@@ -131,6 +131,7 @@ ordered_json json_of(const Panel& panel) {
         return ordered_json{{"from", {one.from_x, one.from_y}}, {"to", {one.to_x, one.to_y}}, {"name", one.name}};
       }));
   add(object, "notes", panel.notes);
+  add(object, "key", panel.key);
   add(object, "equal_scales", panel.equal_scales);
   add(object, "height", panel.height > 0 ? ordered_json(panel.height) : ordered_json());
   return object;

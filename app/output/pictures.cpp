@@ -52,7 +52,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   figure.width = 720, figure.height = 370;
   Panel panel{.x = axis_of("slip_rate", "m/s"), .y = axis_of("friction_coefficient", "1")};
   panel.x.decades = true;
-  panel.y.name = "steady friction coefficient μ";
+  panel.y.name = "steady friction coefficient";
   panel.y.before = panel.y.after = 0.12;
   panel.lines = {{.table = "curve.csv"}};
   for (const auto& e : curve.extrema)
@@ -408,7 +408,7 @@ void add_slider(Figure& figure, const oscillators::Model& model, const analysis:
   figure.tables = {steady_beside(model, low, high)};
   auto rate = axis_of("slip_rate", "m/s", {low, high}), linear_rate = rate, size = rate;
   rate.decades = rate.shown.spans_decades();
-  size.name = "|slip rate v|", size.decades = true;
+  size.name = "size of slip rate", size.symbol = "|v|", size.decades = true;
   const auto way = axis_of("displacement", "m", Extent::of(cycle.columns[0])),
              friction = axis_of("friction_coefficient", "1");
   const Rule drive{'y', model.drive.speed.level(), {.style = reference_style}, "drive"};
@@ -434,7 +434,7 @@ void add_slider(Figure& figure, const oscillators::Model& model, const analysis:
   auto level = Extent::of(cycle.columns[5]);
   if (level.largest() < 1) level = {};
   auto short_rate = rate;
-  short_rate.name = "v";
+  short_rate.name = "";
   figure.panels.push_back({.x = way,
                            .y = short_rate,
                            .lines = {{.table = "cycle.csv", .x = {2}, .y = {4}, .z = {7}}},

@@ -12,7 +12,7 @@ namespace rosin::app::output {
 namespace {
 
 /// "harmonics.1.amplitude" as "amplitude of harmonic 1".
-std::string in_words(std::string_view path) {
+std::string read_path(std::string_view path) {
   std::string words;
   std::size_t noun = 0;  // length of the first
   for (std::size_t begin = 0, end; begin < path.size(); begin = end + 1) {
@@ -38,7 +38,8 @@ results::Figure figure_of(const scene::Scene& scene, std::string name, std::stri
 }
 
 results::Axis axis_of(const std::string& column, const std::string& unit, results::Extent shown) {
-  return {.name = readable(column), .unit = unit, .shown = shown};
+  const auto [words, symbol] = in_words(column);
+  return {.name = words, .unit = unit, .symbol = symbol, .shown = shown};
 }
 
 results::Axis axis_of(std::string_view path, const Quantity& quantity, bool decades) {
@@ -46,12 +47,12 @@ results::Axis axis_of(std::string_view path, const Quantity& quantity, bool deca
   auto of = path;
   while (!of.empty() && symbol_of(of).empty()) of = of.substr(0, of.find('.') == of.npos ? 0 : of.rfind('.'));
   auto symbol = symbol_of(of);
-  std::string rest = symbol.empty() ? "" : in_words(path.substr(std::min(of.size() + 1, path.size())));
+  std::string rest = symbol.empty() ? "" : read_path(path.substr(std::min(of.size() + 1, path.size())));
   if (symbol.empty()) {
     const auto table = path.find('.'), key = path.rfind('.');
     symbol = symbol_of(path.substr(key + 1));
     const auto between = key > table ? path.substr(table + 1, key - table - 1) : "";
-    if (between.find_first_of("0123456789") != between.npos) rest = in_words(between);
+    if (between.find_first_of("0123456789") != between.npos) rest = read_path(between);
   }
   return {.name = quantity.meaning.substr(0, quantity.meaning.find_first_of(",;")),
           .unit = quantity.unit,

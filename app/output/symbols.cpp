@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <utility>
 
 namespace rosin::app::output {
@@ -84,24 +85,31 @@ std::string symbol_of(std::string_view name) {
   return name.find('.') == name.npos ? spelled(name) : "";
 }
 
-std::string readable(std::string name) {
-  constexpr Pair reworded[] = {{"time", "time"},
-                               {"displacement_x", "displacement x"},
-                               {"displacement_y", "displacement y"},
-                               {"slip_rate_max", "largest slip rate v"},
-                               {"slip_rate_min", "smallest slip rate v"},
-                               {"lyapunov", "largest Lyapunov exponent λ₁"}};
-  if (const auto* found = std::ranges::find(reworded, name, &Pair::first); found != std::end(reworded))
-    return std::string(found->second);
-  if (auto letter = spelled(name); !letter.empty()) return letter;
+Words in_words(std::string name) {
+  static const std::map<std::string, Words> reworded = {{"time", {"time", ""}},
+                                                        {"displacement_x", {"displacement", "x"}},
+                                                        {"displacement_y", {"displacement", "y"}},
+                                                        {"slip_rate_max", {"largest slip rate", "v"}},
+                                                        {"slip_rate_min", {"smallest slip rate", "v"}},
+                                                        {"lyapunov", {"largest Lyapunov exponent", "λ₁"}}};
+  if (const auto found = reworded.find(name); found != reworded.end()) return found->second;
+  if (auto letter = spelled(name); !letter.empty()) return {"", letter};
   // Of one of several contacts: "slip_rate_2".
   if (const auto bar = name.rfind('_'); bar != name.npos && bar + 2 == name.size() && is_digit(name.back()))
     for (const char* of_contact : {"slip_rate", "friction_force", "friction_coefficient", "normal_load", "theta"})
-      if (name.compare(0, bar, of_contact) == 0)
-        return readable(of_contact) + std::string(below[std::size_t(name.back() - '0')]);
-  const auto symbol = symbol_of(name);
-  std::ranges::replace(name, '_', ' ');
-  return symbol.empty() ? name : name + ' ' + symbol;
+      if (name.compare(0, bar, of_contact) == 0) {
+        auto words = in_words(of_contact);
+        words.symbol += below[std::size_t(name.back() - '0')];
+        return words;
+      }
+  Words words{name, symbol_of(name)};
+  std::ranges::replace(words.name, '_', ' ');
+  return words;
+}
+
+std::string readable(std::string name) {
+  const auto [words, symbol] = in_words(std::move(name));
+  return words + (words.empty() || symbol.empty() ? "" : " ") + symbol;
 }
 
 }  // namespace rosin::app::output

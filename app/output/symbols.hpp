@@ -7,7 +7,12 @@ namespace rosin::app::output {
 
 /// "v" of "slip_rate", "V" of "drive.speed", "σ₀" of "law.sigma0", "μ_s" of "law.mu_s"; empty where there is none.
 std::string symbol_of(std::string_view name);
-/// "slip_rate" as it is read on an axis: "slip rate v".
+struct Words {
+  std::string name, symbol;  ///< either may be empty
+};
+/// "slip_rate" as "slip rate" and "v".
+Words in_words(std::string name);
+/// The same as it is read: "slip rate v".
 std::string readable(std::string name);
 
 }  // namespace rosin::app::output

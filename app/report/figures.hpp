@@ -1,5 +1,4 @@
-/// Figures of a report, found in documents by their shape: series over time, planes, responses, branches, … Include
-/// only in .cpp files.
+/// Figures of a report: planes of documents, and what results declare. Include only in .cpp files.
 #pragma once
 #include <string>
 #include <vector>
@@ -10,13 +9,8 @@ namespace rosin::app::report {
 
 struct Figure {
   std::string caption;
-  ordered_json data;  ///< as page.js draws it: "kind" is "curves" or "plane"
-  /// Further views of the same numbers: one column over another.
-  struct View {
-    std::string title;
-    std::size_t x, y;
-  };
-  std::vector<View> views = {};
+  ordered_json data;         ///< as page.js draws it: "kind" is "curves" or "plane"
+  std::string picture = {};  ///< in place of data: the file of what gnuplot drew, if it did
 };
 
 /// Those of one verb's results; others of the folder may show points of a plane in more detail.

@@ -127,14 +127,16 @@ std::vector<TableColumn> read_table(const fs::path& path) {
       }
       continue;
     }
-    if (row.size() != table.size()) return {};
-    for (std::size_t c = 0; c < row.size(); ++c) {
+    const bool parted = row.size() == 1 && row[0].empty();  // what is before from what is behind
+    if (row.size() != table.size() && !parted) return {};
+    for (std::size_t c = 0; c < table.size(); ++c) {
+      const auto cell = parted ? std::string() : row[c];
       double value = 0;
-      const auto [rest, failure] = std::from_chars(row[c].data(), row[c].data() + row[c].size(), value);
-      const bool whole = failure == std::errc() && rest == row[c].data() + row[c].size();
+      const auto [rest, failure] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+      const bool whole = failure == std::errc() && rest == cell.data() + cell.size();
       auto& column = table[c];
-      const bool word = !column.texts.empty() || (column.values.empty() && !whole && !row[c].empty());
-      if (word) column.texts.push_back(row[c]);
+      const bool word = !column.texts.empty() || (column.values.empty() && !whole && !cell.empty());
+      if (word) column.texts.push_back(cell);
       column.values.push_back(whole ? value : std::numeric_limits<double>::quiet_NaN());
     }
   }

@@ -101,45 +101,34 @@ std::string list_of(const std::vector<std::string>& texts) {
   return html + "</ul>\n";
 }
 
+/// A picture as gnuplot drew it; empty where there is none, or `room` for it.
+std::string picture_html(const Folder& folder, const std::string& file, const std::string& caption,
+                         std::uintmax_t& room) {
+  std::error_code problem;
+  if (folder.left_out.contains(file) || !fs::is_regular_file(folder.path / file, problem)) return {};
+  const auto size = fs::file_size(folder.path / file, problem);
+  if (problem || size > room) return {};
+  room -= size;
+  return fmt::format(
+      "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
+      escaped(caption + " As drawn by gnuplot."), base64(read_found(folder.path / file, largest_pictures)));
+}
+
 std::string figures_html(const Folder& folder, const Result& result) {
   std::string html;
   int number = 0;
-  for (const auto& [caption, data, views] : figures_of(folder, result)) {
-    const auto id = fmt::format("{}-{}", id_of(result.label), ++number);
-    html += fmt::format("<script type=\"application/json\" id=\"{}\">{}</script>\n", id, embedded(data));
-    const auto figure = [&](const std::string& text, const std::string& view) {
-      html += fmt::format(
-          "<figure data-figure=\"{}\"{}><figcaption>{}</figcaption>"
-          "<noscript><p>This figure needs JavaScript; its numbers stand in the results "
-          "folder.</p></noscript></figure>\n",
-          id, view, escaped(text));
-    };
-    figure(caption, "");
-    for (const auto& [title, x, y] : views)
-      figure(title + ".", fmt::format(" data-x=\"{}\" data-y=\"{}\" data-title=\"{}\"", x, y, escaped(title)));
-  }
-  return html;
-}
-
-/// Pictures as gnuplot drew them, where the page has no figure of its own.
-std::string pictures_html(const Folder& folder, const Result& result) {
-  std::string html;
-  std::uintmax_t bytes = 0;
-  const auto& files = at(result.manifest, "files");
-  for (const auto& file : files.is_array() ? files : ordered_json::array()) {
-    if (!file.is_string()) continue;
-    const fs::path name = file.get<std::string>();
-    std::error_code problem;
-    if (name.extension() != ".png" || name.has_parent_path() || folder.left_out.contains(name.string()) ||
-        !fs::is_regular_file(folder.path / name, problem))
+  auto room = largest_pictures;
+  for (const auto& [caption, data, picture] : figures_of(folder, result)) {
+    if (!picture.empty()) {
+      html += picture_html(folder, picture, caption, room);
       continue;
-    const auto size = fs::file_size(folder.path / name, problem);
-    if (problem || bytes + size > largest_pictures) continue;
-    bytes += size;
+    }
+    const auto id = fmt::format("{}-{}", id_of(result.label), ++number);
     html += fmt::format(
-        "<figure><img alt=\"{0}, as drawn by gnuplot\" "
-        "src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
-        escaped(name.stem().string()), base64(read_found(folder.path / name, largest_pictures)));
+        "<script type=\"application/json\" id=\"{0}\">{1}</script>\n"
+        "<figure data-figure=\"{0}\"><figcaption>{2}</figcaption>"
+        "<noscript><p>This figure needs JavaScript; its numbers stand in the results folder.</p></noscript></figure>\n",
+        id, embedded(data), escaped(caption));
   }
   return html;
 }
@@ -236,8 +225,7 @@ std::string reproduction_html(const Result& result, Shown& shown) {
 
 std::string section_of(const Folder& folder, const Result& result, Shown& shown) {
   const auto id = id_of(result.label);
-  auto figures = figures_html(folder, result);
-  if (figures.empty()) figures = pictures_html(folder, result);
+  const auto figures = figures_html(folder, result);
   auto html = fmt::format(
       "<section id=\"{0}\" aria-labelledby=\"{0}-heading\">\n<h2 id=\"{0}-heading\">{1}</h2>\n<p "
       "class=\"verdict\">{2}</p>\n{3}{4}{5}",

@@ -1,10 +1,9 @@
-/* Figures of a report. Each <figure data-figure="ID"> is drawn from the JSON in the element of that id: curves (columns of
-   one or several series, any over any other) or a plane (metrics and regimes over two parameters). Scales and axes are
+/* Figures of a report. Each <figure data-figure="ID"> is drawn from the JSON in the element of that id: a panel as results
+   declare it (axes, series of points, rules, shades, marks) or a plane (metrics and regimes over two parameters). Scales and axes are
    d3's; all that is shown is SVG, so that it prints. */
 'use strict';
 (() => {
-const OKABE_ITO = ['#0072B2', '#D55E00', '#009E73', '#CC79A7', '#E69F00', '#56B4E9'];  // told apart by the colour-blind
-const DASHES = ['', '7 3', '2 3', '9 3 2 3', '12 4', '4 2'];
+const COLOURS = ['#0072B2', '#D55E00', '#009E73', '#CC79A7', '#E69F00', '#56B4E9'];  // told apart by the colour-blind
 const CIVIDIS = ['#00204D', '#00336F', '#39486B', '#575C6D', '#707173', '#8A8779', '#A69D75', '#C4B56C', '#E4CF5B', '#FFEA46'];
 const REGIMES = {stable: '#E8E8E8', cycle: '#0072B2', bistable: '#E69F00', failed: '#7A0019'};
 const SPARE = ['#009E73', '#CC79A7', '#56B4E9', '#F0E442', '#666666', '#000000'];
@@ -139,8 +138,9 @@ class Plot {
     const [low, high] = scale.domain(), decades = quantity.log ? Math.abs(Math.log10(high / low)) : 0;
     const unit = quantity.log ? {factor: 1, unit: unitOf(quantity)} : scaled(quantity, Math.max(Math.abs(low), Math.abs(high)));
     const count = across ? Math.max(3, this.width / 110) : 6;
-    let ticks = quantity.log && decades >= 1 ? scale.ticks(count) : d3.ticks(low, high, count);
+    let ticks = quantity.ticks && !this.zoomed ? quantity.ticks.map(([at]) => at) : quantity.log && decades >= 1 ? scale.ticks(count) : d3.ticks(low, high, count);
     if (decades >= 2) ticks = ticks.filter(tick => Math.abs(Math.log10(tick) % 1) < 1e-9 || Math.abs(Math.log10(tick) % 1) > 1 - 1e-9);
+    else if (decades >= 1 && !quantity.ticks) ticks = ticks.filter(tick => [1, 2, 5].includes(Math.round(tick / 10 ** Math.floor(Math.log10(tick) + 1e-9))));
     if (decades >= 2 && ticks.length > count + 1) {
       const every = Math.ceil(ticks.length / count);
       ticks = ticks.filter((_, i) => i % every === 0);
@@ -149,6 +149,8 @@ class Plot {
     ticks = ticks.filter(within);
     const extra = quantity.extra || [];  // values outside the scale, which stand beside it
     const label = tick => {
+      const named = !this.zoomed && (quantity.ticks || []).find(([at]) => at === tick);
+      if (named) return named[1];
       const beside = extra.find(entry => entry.at === tick);
       return beside ? show(beside.value, 3) : show(tick * unit.factor, 5);
     };
@@ -268,120 +270,134 @@ class Curves extends Plot {
   constructor(figure, data) {
     super(figure, data.title);
     this.data = data;
-    this.shownX = data.x;
-    this.shownY = data.y;
     this.at = null;  // series and sample under the cursor
-    const names = data.columns.map(nameOf);
-    if (names.length > 2)
-      this.controls.append(choice('Across', names, data.x, i => { this.shownX = i; this.at = null; this.reset(); }),
-        choice('Up', names, data.y, i => { this.shownY = i; this.at = null; this.reset(); }));
     this.controls.append(this.buttons);
-    if (data.series.length > 1) this.legend();
+    this.legend();
   }
 
   keys() { return 'Drag or turn the wheel to zoom; arrow keys step along the curve, + − 0 zoom.'; }
 
-  look(i) {
-    const series = this.data.series[i];
-    const like = series.like === undefined ? i : series.like;  // one colour for all parts of a branch
-    return {colour: OKABE_ITO[like % OKABE_ITO.length], dash: series.dash === undefined ? DASHES[like % DASHES.length] : series.dash};
-  }
+  /** Colours of the lines' own styles are the page's, on light ground and on dark. */
+  look({like, dash}) { return {colour: like === undefined ? 'var(--faint)' : COLOURS[like % COLOURS.length], dash: dash || ''}; }
 
   legend() {
-    const list = element('ul', {class: 'legend'});
-    const named = new Set();
-    this.data.series.forEach((series, i) => {
-      if (!series.name || named.has(series.name)) return;
-      named.add(series.name);
-      const {colour, dash} = this.look(i), item = element('li', {}, '');
+    const list = element('ul', {class: 'legend'}), named = new Set();
+    for (const entry of [...this.data.series, ...(this.data.rules || []), ...(this.data.shades || []), ...(this.data.marks || [])]) {
+      const name = entry.name || (entry.how ? '' : entry.title);
+      if (!name || named.has(name)) continue;
+      named.add(name);
+      const {colour, dash} = this.look(entry), item = element('li', {}, '');
       const svg = d3.select(item).append('svg').attr('width', 34).attr('height', 12).attr('aria-hidden', 'true');
-      if (series.points) svg.append('circle').attr('cx', 17).attr('cy', 6).attr('r', 4).attr('fill', colour);
+      if (entry.how === 'points' || entry.text !== undefined) svg.append('circle').attr('cx', 17).attr('cy', 6).attr('r', 4).attr('fill', colour);
+      else if (['filled', 'band'].includes(entry.how) || entry.colour) svg.append('rect').attr('class', 'band').attr('width', 34).attr('height', 12);
       else svg.append('line').attr('x1', 1).attr('x2', 33).attr('y1', 6).attr('y2', 6).attr('stroke', colour)
         .attr('stroke-width', 2).attr('stroke-dasharray', dash);
-      item.append(` ${series.name}`);
+      item.append(` ${name}`);
       list.append(item);
-    });
-    this.readout.after(list);
+    }
+    if (named.size) this.readout.after(list);
   }
 
-  quantity(column) {
-    const quantity = this.data.columns[column], values = this.data.series.flatMap(series => series.data[column]);
-    const log = Boolean(quantity.log) && values.every(value => value === null || value > 0);
+  /** An axis with the range of what is shown along it. */
+  quantity(which) {
+    const quantity = this.data[which];
+    const values = this.data.series.flatMap(series => which === 'y' && series.upper ? series.y.concat(series.upper) : series[which])
+      .concat((this.data.marks || []).map(mark => mark[which]), (this.data.rules || []).filter(rule => rule.axis === which).map(rule => rule.at),
+        this.data.series.some(series => which === 'y' && ['bars', 'filled'].includes(series.how)) ? [0] : []);
+    const log = Boolean(quantity.log) && values.some(value => value > 0);
     let [low, high] = [Infinity, -Infinity];
     for (const value of values)
-      if (value !== null && Number.isFinite(value)) low = Math.min(low, value), high = Math.max(high, value);
+      if (typeof value === 'number' && (!log || value > 0)) low = Math.min(low, value), high = Math.max(high, value);
     if (!(low <= high)) [low, high] = log ? [0.1, 1] : [0, 1];
-    if (log) {
-      const margin = Math.max(1.02, (high / low) ** 0.03);
-      return {...quantity, log, extent: [low / margin, high * margin]};
-    }
-    const margin = low === high ? Math.abs(low) * 0.1 || 1 : (high - low) * 0.04;
-    return {...quantity, log, extent: [low - margin, high + margin]};
+    const margin = log ? Math.max(1.02, (high / low) ** 0.03) : low === high ? Math.abs(low) * 0.1 || 1 : (high - low) * 0.04;
+    const around = log ? [low / margin, high * margin] : [low - margin, high + margin];
+    return {...quantity, log, extent: [quantity.from ?? around[0], quantity.to ?? around[1]]};
   }
 
   draw() {
-    const x = this.quantity(this.shownX), y = this.quantity(this.shownY), inner = this.frame(x, y);
-    if (this.shownX === this.data.x)
-      for (const [from, to] of this.data.bands || [])
-        inner.append('rect').attr('class', 'band').attr('x', this.x(from)).attr('width', Math.max(0.5, this.x(to) - this.x(from)))
-          .attr('y', 0).attr('height', this.height);
-    this.data.series.forEach((series, i) => {
-      const {colour, dash} = this.look(i), xs = series.data[this.shownX], ys = series.data[this.shownY];
-      const known = k => xs[k] !== null && ys[k] !== null && Number.isFinite(this.x(xs[k])) && Number.isFinite(this.y(ys[k]));
-      if (series.points || (this.data.thinned && this.shownX !== 0)) {  // no line joins samples with others left out
-        for (let k = 0; k < xs.length; ++k)
-          if (known(k)) inner.append('circle').attr('cx', this.x(xs[k])).attr('cy', this.y(ys[k]))
-            .attr('r', xs.length > 300 ? 1.3 : 3.5).attr('fill', colour);
-        return;
-      }
-      let path = '', pen = 'M';
-      for (let k = 0; k < xs.length; ++k) {
-        if (!known(k)) { pen = 'M'; continue; }
-        path += `${pen}${this.x(xs[k]).toFixed(2)},${this.y(ys[k]).toFixed(2)}`;
-        pen = 'L';
-      }
-      inner.append('path').attr('class', 'curve').attr('d', path).attr('stroke', colour).attr('stroke-dasharray', dash);
-    });
-    for (const mark of this.data.marks || [])
-      if (mark.column === this.shownX && (mark.row === undefined || mark.row === this.shownY)) {
-        const at = this.x(mark.at);
-        if (!Number.isFinite(at)) continue;  // beyond a logarithmic axis
-        inner.append('line').attr('class', 'mark').attr('x1', at).attr('x2', at).attr('y1', 0).attr('y2', this.height);
-        if (at > this.margin.left && at < this.width - this.margin.right)
-          inner.append('text').attr('class', 'mark-label').attr('text-anchor', at > 0.8 * this.width ? 'end' : 'start')
-            .attr('x', at > 0.8 * this.width ? at - 4 : at + 4).attr('y', this.margin.top + 12).text(mark.label);
-      }
+    const inner = this.frame(this.quantity('x'), this.quantity('y')), along = which => which === 'x' ? this.x : this.y;
+    for (const {axis, from, to} of this.data.shades || []) {
+      const [low, high] = [along(axis)(from), along(axis)(to)].sort((p, q) => p - q), across = axis === 'x';
+      inner.append('rect').attr('class', 'band').attr(across ? 'x' : 'y', low).attr(across ? 'width' : 'height', Math.max(0.5, high - low))
+        .attr(across ? 'y' : 'x', 0).attr(across ? 'height' : 'width', across ? this.height : this.width);
+    }
+    for (const series of this.data.series) this.drawSeries(inner, series);
+    for (const rule of (this.data.rules || []).concat(['x', 'y'].filter(axis => this.data[axis].zero).map(axis => ({axis, at: 0})))) {
+      const at = along(rule.axis)(rule.at), across = rule.axis === 'x';
+      if (Number.isFinite(at)) inner.append('line').attr('class', 'mark').attr('stroke-dasharray', rule.dash || '')
+        .attr(across ? 'x1' : 'y1', at).attr(across ? 'x2' : 'y2', at).attr(across ? 'y1' : 'x1', 0)
+        .attr(across ? 'y2' : 'x2', across ? this.height : this.width);
+    }
+    for (const mark of this.data.marks || []) {
+      const x = this.x(mark.x), y = this.y(mark.y);
+      if (!Number.isFinite(x) || !Number.isFinite(y)) continue;
+      if (mark.point) inner.append('circle').attr('cx', x).attr('cy', y).attr('r', 4).attr('fill', this.look(mark).colour);
+      const left = mark.side === 'left' || x > 0.85 * this.width;
+      if (mark.text) inner.append('text').attr('class', 'mark-label').attr('text-anchor', left ? 'end' : 'start')
+        .attr('x', x + (left ? -7 : 7)).attr('y', y + (mark.side === 'above' ? -7 : 4)).text(mark.text);
+    }
+    (this.data.notes || []).forEach((note, i) => inner.append('text').attr('class', 'mark-label').attr('text-anchor', 'end')
+      .attr('x', this.width - this.margin.right - 8).attr('y', this.margin.top + 16 * (i + 1)).text(note));
     this.pointer = inner.append('circle').attr('class', 'cursor').attr('r', 5).attr('display', 'none');
     this.point();
   }
 
-  cursor() {
-    if (!this.at) return null;
-    const {data} = this.data.series[this.at.series];
-    return [this.x(data[this.shownX][this.at.sample]), this.y(data[this.shownY][this.at.sample])];
+  drawSeries(inner, series) {
+    const {colour, dash} = this.look(series), {how, x: xs, y: ys, upper} = series;
+    const place = (k, values) => [this.x(xs[k]), this.y(values[k])];
+    const known = (k, values = ys) => xs[k] !== null && values[k] !== null && place(k, values).every(Number.isFinite);
+    const samples = d3.range(xs.length);
+    if (how.endsWith('points'))
+      for (const k of samples.filter(k => known(k))) {
+        const [x, y] = place(k, ys);
+        inner.append('circle').attr('cx', x).attr('cy', y).attr('r', xs.length > 300 ? 1.3 : 3).attr('fill', colour);
+      }
+    if (how === 'points') return;
+    if (how === 'upright' || how === 'bars') {
+      for (const k of samples.filter(k => known(k)))
+        inner.append('line').attr('x1', this.x(xs[k])).attr('x2', this.x(xs[k])).attr('y1', how === 'bars' ? this.y(0) : 0)
+          .attr('y2', how === 'bars' ? this.y(ys[k]) : this.height).attr('stroke', colour).attr('stroke-width', how === 'bars' ? 12 : 1);
+      return;
+    }
+    const path = values => {
+      let text = '', pen = 'M', before = null;
+      for (const k of samples) {
+        if (!known(k, values)) { pen = 'M'; continue; }
+        const [x, y] = place(k, values);
+        text += `${how === 'steps' && pen === 'L' ? `L${x.toFixed(2)},${before.toFixed(2)}` : ''}${pen}${x.toFixed(2)},${y.toFixed(2)}`;
+        pen = 'L', before = y;
+      }
+      return text;
+    };
+    if (how === 'band' || how === 'filled') {
+      const base = how === 'band' ? null : this.y(Math.max(0, this.y.domain()[0]));
+      const area = d3.range(xs.length).filter(k => known(k) && (!upper || known(k, upper)));
+      const edge = (values, list) => list.map(k => `${this.x(xs[k]).toFixed(2)},${(values ? this.y(values[k]) : base).toFixed(2)}`);
+      if (area.length) inner.append('path').attr('d', `M${[...edge(ys, area), ...edge(upper, [...area].reverse())].join('L')}Z`)
+        .attr('fill', colour).attr('fill-opacity', 0.25);
+      return;
+    }
+    inner.append('path').attr('class', 'curve').attr('d', path(ys)).attr('stroke', colour).attr('stroke-dasharray', dash);
   }
+
+  sample() { return this.at && [this.data.series[this.at.series].x[this.at.sample], this.data.series[this.at.series].y[this.at.sample]]; }
+
+  cursor() { return this.at && [this.x(this.sample()[0]), this.y(this.sample()[1])]; }
 
   point() {
     if (!this.at || !this.pointer) return;
-    const [px, py] = this.cursor();
-    this.pointer.attr('cx', px).attr('cy', py).attr('display', null);
-    const series = this.data.series[this.at.series], value = column => series.data[column][this.at.sample];
-    const error = column => {
-      const own = series.errors && series.errors[column];
-      return own ? own[this.at.sample] : this.data.columns[column].error;
-    };
-    const name = series.name && this.data.series.length > 1 ? [element('strong', {}, `${series.name}: `)] : [];
-    this.say(...name, reading(this.data.columns[this.shownX], value(this.shownX), error(this.shownX)), ', ',
-      reading(this.data.columns[this.shownY], value(this.shownY), error(this.shownY)));
+    const [px, py] = this.cursor(), [x, y] = this.sample(), {name} = this.data.series[this.at.series];
+    if (Number.isFinite(px) && Number.isFinite(py)) this.pointer.attr('cx', px).attr('cy', py).attr('display', null);
+    const said = name && this.data.series.length > 1 ? [element('strong', {}, `${name}: `)] : [];
+    this.say(...said, reading(this.data.x, x, this.data.x.error), ', ', reading(this.data.y, y, this.data.y.error));
   }
 
   hover([px, py]) {
     let best = null, least = Infinity;
-    this.data.series.forEach(({data}, series) => {
-      for (let k = 0; k < data[0].length; ++k) {
-        const x = data[this.shownX][k], y = data[this.shownY][k];
-        if (x === null || y === null) continue;
-        const apart = (this.x(x) - px) ** 2 + (0.5 * (this.y(y) - py)) ** 2;
+    this.data.series.forEach(({x, y}, series) => {
+      for (let k = 0; k < x.length; ++k) {
+        if (x[k] === null || y[k] === null) continue;
+        const apart = (this.x(x[k]) - px) ** 2 + (0.5 * (this.y(y[k]) - py)) ** 2;
         if (apart < least) least = apart, best = {series, sample: k};
       }
     });
@@ -393,22 +409,22 @@ class Curves extends Plot {
 
   step([along, across], far) {
     const {series} = this.data;
+    if (!series.length) return;
     if (!this.at) this.at = {series: 0, sample: 0};
     else {
       this.at.series = (this.at.series - across + series.length) % series.length;
-      const last = series[this.at.series].data[0].length - 1;
+      const last = series[this.at.series].x.length - 1;
       this.at.sample = Math.min(last, Math.max(0, this.at.sample + along * far));
     }
     this.point();
   }
 
   rows() {
-    const header = (this.data.series.length > 1 ? ['series'] : []).concat(
-      this.data.columns.map(column => nameOf(column) + (unitOf(column) ? ` (${unitOf(column)})` : '')));
+    const heading = quantity => nameOf(quantity) + (unitOf(quantity) ? ` (${unitOf(quantity)})` : '');
+    const many = this.data.series.length > 1, header = [...(many ? ['line'] : []), heading(this.data.x), heading(this.data.y)];
     const rows = [];
-    for (const series of this.data.series)
-      for (let k = 0; k < series.data[0].length; ++k)
-        rows.push((this.data.series.length > 1 ? [series.name || ''] : []).concat(series.data.map(column => show(column[k]))));
+    for (const {name, x, y} of this.data.series)
+      x.forEach((value, k) => rows.push([...(many ? [name] : []), show(value), show(y[k])]));
     return {header, rows};
   }
 }
@@ -636,9 +652,6 @@ function numbers(plot, figure) {
 const plots = [];
 for (const figure of document.querySelectorAll('figure[data-figure]')) {
   const data = JSON.parse(document.getElementById(figure.dataset.figure).textContent);
-  for (const axis of ['x', 'y'])  // another view of the same numbers
-    if (figure.dataset[axis]) data[axis] = Number(figure.dataset[axis]);
-  if (figure.dataset.title) data.title = figure.dataset.title;
   const plot = data.kind === 'plane' ? new Plane(figure, data) : new Curves(figure, data);
   plots.push(plot);
   plot.draw();

@@ -53,7 +53,7 @@ class Dice {
 struct DrawnLaw {
   double coefficient = 0, exponent = 1, damping = 0, separation_damping = 0, damping_exponent = 1;
   bool adhesion = false;
-  std::string text;  ///< of normal_contact
+  std::string text = {};  ///< of normal_contact
 
   double pressure(double a, double rate) const {
     if (!(a > 0)) return 0;
@@ -94,7 +94,7 @@ DrawnLaw draw_law(Dice& dice, double load, double area, double approach, double 
 
 struct Drawn {
   bool is_block = false;
-  std::string text;  ///< of the scene
+  std::string text = {};  ///< of the scene
   DrawnLaw law;
 };
 

@@ -28,44 +28,47 @@ using analysis::inference::Measurement;
 
 constexpr const char *curve_file = "fit-curve-{}.csv", *residual_file = "fit-residuals-{}.csv";
 
-const char* abscissa(const Measurement& m) {
+results::Channel abscissa(const Measurement& m) {
   switch (m.kind) {
     case Measurement::Kind::frequency_response:
-      return "frequency (Hz)";
+      return {"frequency", "Hz"};
     case Measurement::Kind::velocity_step:
-      return m.over == Measurement::Over::time ? "time (s)" : "displacement (m)";
+      if (m.over == Measurement::Over::displacement) return {"displacement", "m"};
+      return {"time", "s"};
     case Measurement::Kind::steady_curve:
-      return "slip rate (m/s)";
+      return {"slip rate", "m/s"};
     case Measurement::Kind::hold:
-      return "time at rest (s)";
+      return {"time at rest", "s"};
     case Measurement::Kind::record:
     case Measurement::Kind::motion:
-      return "time (s)";
+      return {"time", "s"};
     case Measurement::Kind::stick_slip:
-      return "drive speed (m/s)";
+      return {"drive speed", "m/s"};
   }
-  return "";
+  return {};
 }
 
-const char* event_name(const Measurement& m) {
-  switch (m.event) {
-    case Measurement::Event::recurrence:
-      return "recurrence (s)";
-    case Measurement::Event::force_drop:
-      return "force drop (N)";
-    case Measurement::Event::peak_slip_rate:
-      return "peak slip rate (m/s)";
-    case Measurement::Event::force_range:
-      return "range of force (N)";
-  }
-  return "";
-}
-
-const char* ordinate(const Measurement& m) {
-  return m.kind == Measurement::Kind::stick_slip ? event_name(m)
-         : m.pairs()                             ? "Z (N s/m)"
-         : m.in_force                            ? "friction force F (N)"
-                                                 : "friction coefficient μ";
+/// The axis of measured numbers.
+results::Axis ordinate(const Measurement& m) {
+  if (m.kind == Measurement::Kind::motion) return output::axis_of(m.column, m.unit, results::Extent::of(m.y));
+  auto axis = m.pairs()    ? results::Axis{.name = "response", .unit = "N s/m", .symbol = "Z"}
+              : m.in_force ? results::Axis{.name = "friction force", .unit = "N", .symbol = "F"}
+                           : results::Axis{.name = "friction coefficient", .symbol = "μ"};
+  if (m.kind == Measurement::Kind::stick_slip) switch (m.event) {
+      case Measurement::Event::recurrence:
+        axis = {.name = "recurrence", .unit = "s"};
+        break;
+      case Measurement::Event::force_drop:
+        axis = {.name = "force drop", .unit = "N"};
+        break;
+      case Measurement::Event::peak_slip_rate:
+        axis = {.name = "peak slip rate", .unit = "m/s"};
+        break;
+      case Measurement::Event::force_range:
+        axis = {.name = "range of force", .unit = "N"};
+    }
+  axis.shown = results::Extent::of(m.y);
+  return axis;
 }
 
 ordered_json parameters(const analysis::inference::Fit& fit) {
@@ -199,7 +202,7 @@ std::vector<Part> parts_of(const Measurement& m) {
 /// What a picture is drawn over: the measurement's own abscissa, or the displacement that a series in time imposes,
 /// which stands last in its tables.
 struct Abscissa {
-  std::string name;
+  results::Channel of;
   std::vector<double> values;
   bool last = false;  ///< column of the tables; else the first
 };
@@ -207,14 +210,7 @@ Abscissa own_abscissa(const Measurement& m) { return {abscissa(m), m.x}; }
 /// Empty values where there is none beside the measurement's own.
 Abscissa displacement_of(const Measurement& m) {
   if (m.over == Measurement::Over::displacement) return {};
-  return {"displacement (m)", analysis::inference::imposed_displacement(m), true};
-}
-
-/// "time (s)" as the name and unit of a column.
-results::Channel channel_of(std::string_view header) {
-  const auto open = header.rfind(" (");
-  if (open == header.npos || !header.ends_with(')')) return {std::string(header)};
-  return {std::string(header.substr(0, open)), std::string(header.substr(open + 2, header.size() - open - 3))};
+  return {{"displacement", "m"}, analysis::inference::imposed_displacement(m), true};
 }
 
 /// The numbers at the scene's law: x, data, fit, residual and standard error, and the fits of the others.
@@ -222,7 +218,7 @@ results::Table curve_of(const scene::Scene& scene, const std::vector<analysis::i
                         const std::vector<std::size_t>& shown, std::size_t d) {
   const auto& m = scene.task<tasks::Fit>().data[d];
   const auto& own = fits.front().measurements[d];
-  std::vector<results::Column> columns = {{channel_of(abscissa(m)), m.x}};
+  std::vector<results::Column> columns = {{abscissa(m), m.x}};
   for (const auto& part : parts_of(m)) {
     const auto data = part.of(m.y), fitted = part.of(own.fitted);
     auto residual = data;
@@ -236,8 +232,7 @@ results::Table curve_of(const scene::Scene& scene, const std::vector<analysis::i
       if (k != 0)
         columns.push_back({{fmt::format("{}fit of {}", part.name, scene.task<tasks::Fit>().candidates[k].name)},
                            part.of(fits[k].measurements[d].fitted)});
-  if (auto way = displacement_of(m); !way.values.empty())
-    columns.push_back({channel_of(way.name), std::move(way.values)});
+  if (auto way = displacement_of(m); !way.values.empty()) columns.push_back({way.of, std::move(way.values)});
   return results::rows(fmt::format("fit-curve-{}", d + 1), std::move(columns));
 }
 
@@ -247,11 +242,10 @@ results::Table residuals_of(const scene::Scene& scene, const std::vector<analysi
   const auto& m = scene.task<tasks::Fit>().data[d];
   std::vector<double> x;
   for (const double value : m.x) x.insert(x.end(), m.pairs() ? 2 : 1, value);
-  std::vector<results::Column> columns = {{channel_of(abscissa(m)), std::move(x)}};
+  std::vector<results::Column> columns = {{abscissa(m), std::move(x)}};
   for (const auto k : shown)
     columns.push_back({{scene.task<tasks::Fit>().candidates[k].name}, fits[k].measurements[d].residuals});
-  if (auto way = displacement_of(m); !way.values.empty())
-    columns.push_back({channel_of(way.name), std::move(way.values)});
+  if (auto way = displacement_of(m); !way.values.empty()) columns.push_back({way.of, std::move(way.values)});
   return results::rows(fmt::format("fit-residuals-{}", d + 1), std::move(columns));
 }
 
@@ -307,16 +301,15 @@ std::vector<std::string> write_picture(const fs::path& folder, const std::string
     const auto [low, high] = std::ranges::minmax(over.values);
     const int others_shown = int(shown.size()) - (std::ranges::find(shown, 0u) != shown.end() ? 1 : 0),
               count = int(parts.size());
-    results::Panel above{.x = {.name = over.name,
+    results::Panel above{.x = {.name = over.of.name,
+                               .unit = over.of.unit,
                                .decades = !m.series() && low > 0 && high / low > 20,
                                .shown = {low, high},
                                .from = low,
                                .to = high},
-                         .y = {.name = ordinate(m)},
+                         .y = ordinate(m),
                          .title = m.name,
                          .height = 230};
-    if (m.kind == Measurement::Kind::motion)  // in a unit that keeps ticks short
-      above.y = output::axis_of(m.column, m.unit, results::Extent::of(m.y));
     const results::Cell x{over.last ? 2 + (4 + others_shown) * count : 1};
     for (int part = 0; part < count; ++part)
       above.lines.push_back(

@@ -189,12 +189,12 @@ struct Line {
   const std::vector<Complex>* response;
 };
 
-results::Axis axis(std::string name, std::string unit, results::Extent shown = {}) {
-  return {.name = std::move(name), .unit = std::move(unit), .shown = shown};
+results::Axis axis(std::string name, std::string symbol, std::string unit) {
+  return {.name = std::move(name), .unit = std::move(unit), .symbol = std::move(symbol)};
 }
 
 results::Axis frequencies(const std::vector<double>& f) {
-  auto over = axis("frequency f", "Hz");
+  auto over = axis("frequency", "f", "Hz");
   over.from = f.front(), over.to = f.back();
   over.decades = f.back() / f.front() > 20;
   return over;
@@ -204,14 +204,14 @@ results::Axis frequencies(const std::vector<double>& f) {
 /// 1 to 5 are frequency, real and imaginary part, magnitude and phase.
 std::vector<results::Panel> response_panels(const results::Axis& over,
                                             const std::vector<const std::vector<Complex>*>& responses) {
-  auto real = axis("real part Re Z", "N s/m"), imaginary = axis("imaginary part Im Z", "N s/m");
+  auto real = axis("real part", "Re Z", "N s/m"), imaginary = axis("imaginary part", "Im Z", "N s/m");
   for (const auto* response : responses)
     for (const auto& z : *response) real.shown.include(z.real()), imaginary.shown.include(z.imag());
   real.zero = imaginary.zero = true;
   auto along = real;
   along.before = along.after = 0.05;
-  return {{.x = over, .y = axis("magnitude |Z|", "N s/m")},
-          {.x = over, .y = axis("phase arg Z", "degree")},
+  return {{.x = over, .y = axis("magnitude", "|Z|", "N s/m")},
+          {.x = over, .y = axis("phase", "arg Z", "degree")},
           {.x = over, .y = real},
           {.x = over, .y = imaginary},
           {.x = along, .y = imaginary}};
@@ -289,7 +289,7 @@ std::vector<std::string> write_measured_picture(const fs::path& folder, const sc
       lines.push_back(
           {.table = "frf-predicted.csv", .x = {x}, .y = {y}, .look = {.style = 1, .width = 2}, .title = "predicted"});
   }
-  auto coherence = axis("coherence", "1");
+  auto coherence = axis("coherence", "", "1");
   coherence.from = 0, coherence.to = 1.02;
   figure.panels.push_back(
       {.x = over, .y = coherence, .lines = {{.table = "frf.csv", .y = {7}, .look = {.width = 1.2}}}});

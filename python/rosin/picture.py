@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable
+from typing import TYPE_CHECKING, Any
 
+from . import declared
 from .errors import InputError
 from .result import Result
 
@@ -38,34 +39,34 @@ STYLE = {
 SYMBOLS = {
     "time": "t",
     "displacement": "x",
-    "velocity": r"\dot x",
+    "velocity": "ẋ",
     "slip_rate": "v",
     "slip": "s",
     "speed": "V",
     "normal_load": "N",
     "friction_force": "F",
-    "friction_coefficient": r"\mu",
-    "lambda": r"\lambda",
+    "friction_coefficient": "μ",
+    "lambda": "λ",
     "stiffness": "k",
     "mass": "m",
     "damping": "c",
     "frequency": "f",
     "magnitude": "|Z|",
-    "phase": r"\arg Z",
-    "theta": r"\theta",
-    "psi": r"\psi",
+    "phase": "arg Z",
+    "theta": "θ",
+    "psi": "ψ",
 }
 
 
 def plot(result: Result, what: str | list[str] | None = None, *, width: float | None = None) -> Figure:
-    """Draws a plane, a motion over time, a cycle as a loop, a frequency response, branches, a fit with its residuals,
-    or a table over its coordinate.
+    """Draws the figure that a result declares, as the command does, or variables of its dataset.
 
     Parameters
     ----------
     result : Result
     what : str or list of str, optional
-        Names of variables of ``result.dataset``, one panel each; left out: those that tell most.
+        The name of another figure of the result, such as "fit-displacement", or names of variables of
+        ``result.dataset``, one panel each, over its coordinate or as a plane; left out: the main figure.
     width : float, optional
         Of the picture in print, from 80 to 250 mm: 85 for a column of a journal. Text is then 7 points high below 130 mm,
         where panels stand one below the other, and 8 points above; left out: as on a screen.
@@ -73,12 +74,12 @@ def plot(result: Result, what: str | list[str] | None = None, *, width: float | 
     Returns
     -------
     matplotlib.figure.Figure
-        ``plot(result).savefig("plane.png")`` keeps it.
+        ``plot(result).savefig("plane.png")`` keeps it. Its data are in SI units, also where labels have a prefix.
 
     Raises
     ------
     InputError
-        Where the result has no dataset, or no such variable, or for another width.
+        Where the result has no figure, or no such variable, or for another width.
     """
     import matplotlib.pyplot as pyplot
 
@@ -86,117 +87,111 @@ def plot(result: Result, what: str | list[str] | None = None, *, width: float | 
         raise TypeError(f"results are drawn, such as scene.run(), not {type(result).__name__}")
     if width is not None and not 80 <= width <= 250:
         raise InputError("", f"width = {width} is outside 80 … 250 (width of pictures in print, mm)")
-    narrow = width is not None and width < 130
-    points = STYLE["font.size"] if width is None else 7 if narrow else 8
+    points = STYLE["font.size"] if width is None else 7 if width < 130 else 8
     pyplot.draw_if_interactive()  # loads the backend, whose rcParams rc_context would undo: notebooks then show nothing more
-    data = result.tables.get("curve-1") if result.verb == "fit" else result.dataset
-    if data is None:
-        raise InputError("", f"a result of '{result.verb}' ({result.outcome}) has no plane or table to draw")
-    draw = {"map": _plane, "basin": _plane, "cycle": _loop, "sweep": _sweep, "branch": _branch, "fit": _fit}.get(
-        result.verb, _columns)
-    if "start" in data.dims:
-        draw = _starts
-    if result.verb == "compare" and "scale" in next(iter(data.coords.values())).attrs:
-        draw = _plane
-    usual = draw.chosen(data)
-    names = usual if what is None else [what] if isinstance(what, str) else list(what)
-    known = usual if draw is _fit else [str(name) for name in data.variables if data[name].dims == data[usual[0]].dims]
+    figures = declared.names(result.folder, result.verb)
+    if what is None and not figures:
+        raise InputError("", f"a result of '{result.verb}' ({result.outcome}) declares no figure")
+    tables: dict[str, declared.Table] = {}
+    if what is None or what in figures:
+        shown = declared.read(result.folder, what if isinstance(what, str) else figures[0])
+    else:
+        shown = _of_variables(result, [what] if isinstance(what, str) else list(what), figures, tables)
+    with pyplot.rc_context({**STYLE, "font.size": points, "legend.fontsize": 0.9 * points}):
+        return declared.draw(shown, result.folder, tables, width)
+
+
+def _of_variables(result: Result, names: list[str], figures: list[str], tables: dict[str, declared.Table]) -> dict[str, Any]:
+    """A declaration of variables of the dataset, a panel each, whose numbers stand in `tables`."""
+    data = result.dataset
+    known = [] if data is None else [str(name) for name, one in data.items() if one.ndim and one.dtype.kind in "fiu"]
     for name in names or [""]:
         if name not in known:
-            raise InputError("", f"there is no '{name}' to draw; known here: "
-                                 f"{', '.join(one for one in known if one not in data.coords)}")
-    with pyplot.rc_context({**STYLE, "font.size": points, "legend.fontsize": 0.9 * points}):
-        figure = draw(data, names, narrow)
-        figure.suptitle(_plain(result.raw.get("title", "")), fontsize=1.1 * points, wrap=True)
-        if width is not None:
-            figure.set_size_inches(width / 25.4, figure.get_size_inches()[1] * points / STYLE["font.size"])
-        return figure
+            raise InputError("", f"there is no '{name}' to draw; known here: {', '.join([*figures, *known]) or 'nothing'}")
+    assert data is not None
+    shown: dict[str, Any] = {"title": result.raw.get("title", ""), "columns": 1, "width": 800, "height": 190, "key": "above", "panels": []}
+    for name in names:
+        if all("scale" in data[over].attrs for over in data[name].dims[-2:]) and data[name].ndim > 1:
+            members = data.member.values if "member" in data[name].dims else [None]
+            shown["panels"] += [_plane(data, name, member, tables) for member in members]
+            shown |= {"columns": 3, "width": 650 * min(3, len(shown["panels"])), "height": 340}
+        else:
+            shown["panels"].append(_columns(data, name, tables))
+    return shown
 
 
-def _plain(words: str) -> str:
-    """Words of a scene, as they are: matplotlib sets what stands between two dollars as a formula."""
-    return words.replace("$", r"\$")
+def _plane(data: xarray.Dataset, name: str, member: Any, tables: dict[str, declared.Table]) -> dict[str, Any]:
+    """A variable over a plane, with the lines at which motion changes."""
+    import numpy
+
+    plane = data[name] if member is None else data[name].sel(member=member)
+    y, x = map(str, plane.dims)
+    plane = plane.isel({over: _on_scale(plane[over]) for over in (x, y)})
+    edges = numpy.meshgrid(_edges(plane[x]), _edges(plane[y]))
+    corners = [edges[0][:-1, :-1], edges[0][:-1, 1:], edges[1][:-1, :-1], edges[1][1:, :-1]]
+    table = f"{name} of {member}"
+    tables[table] = declared.Table.of_columns(plane.values.astype(float).ravel(), *(one.ravel() for one in corners))
+    panel: dict[str, Any] = {"title": "" if member is None else str(member), "lines": []}
+    for which, of, along in (("x", x, edges[0][0]), ("y", y, edges[1][:, 0])):
+        panel[which] = _axis(data, of) | {"from": along[0], "to": along[-1]}
+    cells = {"how": "cells", "table": table, "x": {}, "y": {}, "corners": 2}
+    words = plane.attrs.get("flag_meanings", "").split()
+    if words:
+        colours = ["#E8EEF4", *(line["color"] for line in LINES), "#C9A227", "#7FA6CC"]
+        for number, (flag, word) in enumerate(zip(plane.attrs["flag_values"], words)):
+            panel["lines"].append(cells | {"title": word.replace("_", " "), "look": {"colour": colours[number % len(colours)]},
+                                           "where": [{"column": 1, "compare": "=", "value": float(flag)}]})
+    else:
+        axis = _axis(data, name)
+        if plane.attrs.get("scale") == "log":  # five decades below the most; white where less, or nothing, is told
+            axis |= {"decades": True, "to": float(plane.max()) or 1.0, "from": (float(plane.max()) or 1.0) * 1e-5}
+            cells["where"] = [{"column": 1, "compare": ">", "value": axis["from"]}]
+        panel["colours"] = {"axis": axis, "palette": "cividis"}
+        panel["lines"].append(cells | {"look": {}, "z": {"column": 1}})
+    for line, dash, meaning in (("threshold", "", "threshold of steady sliding"), ("fold", "6,4", "fold of cycles")):
+        if f"{line}_x" in data:
+            tables[line] = declared.Table.of_columns(data[f"{line}_x"].values, data[f"{line}_y"].values)
+            panel["lines"].append({"how": "line", "table": line, "title": meaning, "x": {"column": 1}, "y": {"column": 2},
+                                   "look": {"colour": "#000000", "width": 1.4, "dash": dash, "halo": True}})
+    return panel
 
 
-def _label(data: xarray.Dataset, name: str) -> str:
-    """Name, symbol and unit: "slip rate $v$ (m/s)"."""
+def _columns(data: xarray.Dataset, name: str, tables: dict[str, declared.Table]) -> dict[str, Any]:
+    """A variable over its coordinate; where there are several members, a line for each."""
+    import numpy
+
+    over, many = _directions(data, name)
+    panel: dict[str, Any] = {"y": _axis(data, name), "lines": []}
+    for number in [None] if many is None else range(data.sizes[many]):
+        of = data if number is None else data.isel({many: number})
+        x = of[over].values if over in of.variables else numpy.arange(data.sizes[over], dtype=float)
+        table = f"{name} {number}"
+        tables[table] = declared.Table.of_columns(x.astype(float), of[name].values.astype(float))
+        look = LINES[(number or 0) % len(LINES)]
+        lengths = look["linestyle"][1] if isinstance(look["linestyle"], tuple) else ()
+        panel["lines"].append({
+            "table": table, "x": {"column": 1}, "y": {"column": 2}, "title": "" if many == "mode" else _member(data, many, number),
+            "how": "points" if many == "mode" else "line",  # modes change their order on the way
+            "look": {"colour": LINES[0]["color"] if many == "mode" else look["color"], "width": look["linewidth"], "point": "dot", "size": 0.4,
+                     "dash": ",".join(f"{2 * length * look['linewidth']:g}" for length in lengths)}})
+    panel["x"] = _axis(data, over) if over in data.variables else {"name": over}
+    if over in data.variables and _decades(data[over]) >= 1.5:
+        panel["x"]["decades"] = True
+    if name == "magnitude":
+        panel["y"]["decades"] = True
+    return panel
+
+
+def _axis(data: xarray.Dataset, name: str) -> dict[str, Any]:
+    """Name, symbol and unit, and the numbers that choose its prefix."""
     column = data[name]
     words = column.attrs.get("long_name", name).split(";")[0]
-    if len(words) > 40:
-        words = name
-    symbol = SYMBOLS.get(name.removesuffix("_up").removesuffix("_down"))
     unit = column.attrs.get("units", "1")
-    return words.replace("_", " ") + (f" ${symbol}$" if symbol else "") + (f" ({unit})" if unit != "1" else "")
-
-
-def _chosen(choose: Callable[[xarray.Dataset], list[str]]) -> Callable[[Any], Any]:
-    """What a picture shows where nothing is said."""
-
-    def mark(draw: Any) -> Any:
-        draw.chosen = choose
-        return draw
-
-    return mark
-
-
-def _of_plane(data: xarray.Dataset) -> list[str]:
-    numbers = [str(name) for name, one in data.items() if one.ndim >= 2 and one.dtype.kind == "f"]
-    shown = [name for name in numbers if not name.endswith("_error")]
-    return shown[:2] or [name for name in ("attractor", "regime") if name in data]
-
-
-@_chosen(_of_plane)
-def _plane(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
-    from matplotlib.colors import ListedColormap, LogNorm
-    import matplotlib.pyplot as pyplot
-
-    panels = []  # a plane for each member of a comparison
-    for name in names:
-        members = data.member.values if "member" in data[name].dims else [None]
-        panels += [(name, member, data[name] if member is None else data[name].sel(member=member)) for member in members]
-    down, across = (len(panels), 1) if narrow else (1, len(panels))
-    figure, axes = pyplot.subplots(down, across, figsize=(5.6 * across, 4.4 * down), squeeze=False, sharey=True)
-    for ax, (name, member, plane) in zip(axes.flat, panels):
-        if member is not None:
-            ax.set_title(_plain(str(member)), fontsize=pyplot.rcParams["font.size"])
-        y, x = map(str, plane.dims)
-        plane = plane.isel({over: _on_scale(plane[over]) for over in (x, y)})
-        edges = _edges(plane[x]), _edges(plane[y])
-        words = plane.attrs.get("flag_meanings", "").split()
-        if words:
-            colours = ["#E8EEF4", "#00336F", "#B0560F", "#3A8F5C", "#8A4FA3", "#555555", "#C9A227", "#7FA6CC"]
-            flags = list(plane.attrs["flag_values"])
-            values = plane.where(plane >= 0)
-            cells = ax.pcolormesh(*edges, values, shading="flat", rasterized=True, vmin=flags[0] - 0.5,
-                                  vmax=flags[-1] + 0.5,
-                                  cmap=ListedColormap([colours[i % len(colours)] for i in range(len(flags))]))
-            figure.colorbar(cells, ax=ax, ticks=flags).ax.set_yticklabels(word.replace("_", " ") for word in words)
-        else:
-            norm, label = None, name.replace("_", " ")
-            if plane.attrs.get("scale") == "log":  # five decades below the most; white where less, or nothing, is told
-                most = float(plane.max()) or 1.0
-                norm, label = LogNorm(most * 1e-5, most), plane.attrs["long_name"]
-                plane = plane.where(plane >= most * 1e-5)
-            cells = ax.pcolormesh(*edges, plane, shading="flat", rasterized=True, cmap="cividis", norm=norm)
-            figure.colorbar(cells, ax=ax, label=label + _unit(plane))
-        ax.set_facecolor("#FFFFFF")
-        for axis, of in (("x", x), ("y", y)):
-            if data[of].attrs.get("scale") == "log":
-                getattr(ax, f"set_{axis}scale")("log")
-        limits = ax.get_xlim(), ax.get_ylim()
-        for line, dash, meaning in (("threshold", "-", "threshold of steady sliding"), ("fold", "--", "fold of cycles")):
-            if f"{line}_x" in data:
-                over = data[f"{line}_x"], data[f"{line}_y"]
-                ax.plot(*over, color="white", linewidth=3.2)  # seen on dark cells as well
-                ax.plot(*over, color="black", linestyle=dash, linewidth=1.4, label=meaning)
-        ax.set_xlim(limits[0]), ax.set_ylim(limits[1])
-        ax.grid(False)
-        ax.set_xlabel(_label(data, x))
-        if ax in axes[:, 0]:
-            ax.set_ylabel(_label(data, y))
-    if axes[0][0].lines:
-        axes[0][0].legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=1 if narrow else 2)
-    return figure
+    axis = {"name": (words if len(words) <= 40 else name).replace("_", " "), "unit": "" if unit == "1" else unit,
+            "symbol": SYMBOLS.get(name.removesuffix("_up").removesuffix("_down"), "")}
+    if column.size and not column.isnull().all():
+        axis |= {"low": float(column.min()), "high": float(column.max())}
+    return axis | ({"decades": True} if column.attrs.get("scale") == "log" and name in data.coords else {})
 
 
 def _on_scale(axis: xarray.DataArray) -> slice:
@@ -229,69 +224,6 @@ def _middles(values: numpy.ndarray) -> numpy.ndarray:
     return numpy.concatenate([[2 * values[0] - between[0]], between, [2 * values[-1] - between[-1]]])
 
 
-@_chosen(lambda data: ["attractor"])
-def _starts(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
-    """Random starts, and what each comes to."""
-    import matplotlib.pyplot as pyplot
-
-    x, y = [str(name) for name, one in data.items() if one.dtype.kind == "f"]
-    figure, axes = pyplot.subplots(len(names), 1, figsize=(5.6, 4.4 * len(names)), squeeze=False, sharex=True)
-    for ax, name in zip(axes[:, 0], names):
-        words = data[name].attrs.get("flag_meanings", "").split()
-        for number, value in enumerate(sorted(set(data[name].values))):
-            of = data.isel(start=data[name].values == value)
-            flags = list(data[name].attrs.get("flag_values", []))
-            ax.plot(of[x], of[y], linestyle="none", marker="os^vD"[number % 5], markersize=4, color=LINES[number % len(LINES)]["color"],
-                    label=words[flags.index(value)].replace("_", " ") if value in flags else f"{name} = {value:g}")
-        ax.set_ylabel(_label(data, y))
-        ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=1 if narrow else 3)
-    axes[-1, 0].set_xlabel(_label(data, x))
-    return figure
-
-
-def _unit(column: xarray.DataArray) -> str:
-    unit = column.attrs.get("units", "1")
-    return "" if unit == "1" else f" ({unit})"
-
-
-def _of_columns(data: xarray.Dataset) -> list[str]:
-    first = next((name for name in map(str, data) if data[name].ndim), None)
-    dimensions = data[first].dims if first else ()
-    numbers = [str(name) for name, one in data.items() if one.dims == dimensions and one.dtype.kind == "f"]
-    told = ("magnitude", "phase"), ("displacement", "slip_rate", "friction_coefficient")
-    for names in told:
-        if all(name in numbers for name in names):
-            return list(names)
-    return numbers[:3]
-
-
-@_chosen(_of_columns)
-def _columns(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
-    """One variable below the other; where there are several members, a line for each."""
-    import matplotlib.pyplot as pyplot
-
-    figure, axes = pyplot.subplots(len(names), 1, figsize=(7, 1.2 + 1.8 * len(names)), squeeze=False, sharex=True)
-    over, many = _directions(data, names[0])
-    for ax, name in zip(axes[:, 0], names):
-        members = [None] if many is None else range(data.sizes[many])
-        for number in members:
-            lines = data if number is None else data.isel({many: number})
-            x = lines[over] if over in lines.variables else range(data.sizes[over])
-            if many == "mode":  # whose order changes on the way
-                ax.plot(x, lines[name], linestyle="none", marker=".", markersize=3, color=LINES[0]["color"])
-            else:
-                ax.plot(x, lines[name], **LINES[(number or 0) % len(LINES)], label=_member(data, many, number))
-        ax.set_ylabel(_label(data, name).replace(" $", "\n$", 1))
-        if name == "magnitude":
-            ax.set_yscale("log")
-    ax.set_xlabel(_label(data, over) if over in data.variables else over)
-    if over in data.variables and _decades(data[over]) >= 1.5:
-        ax.set_xscale("log")
-    if many is not None and many != "mode":
-        axes[0, 0].legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=1 if narrow else 3)
-    return figure
-
-
 def _directions(data: xarray.Dataset, name: str) -> tuple[str, str | None]:
     """The coordinate that a variable is drawn over, and the dimension of which each entry is a line."""
     dimensions = [str(one) for one in data[name].dims]
@@ -304,60 +236,11 @@ def _directions(data: xarray.Dataset, name: str) -> tuple[str, str | None]:
     return over, lines[0] if lines else None
 
 
-def _member(data: xarray.Dataset, many: str | None, number: int | None) -> str | None:
+def _member(data: xarray.Dataset, many: str | None, number: int | None) -> str:
     if many is None or number is None:
-        return None
-    value = data[many].values[number]
-    if many == "member":
-        return _plain(str(value))
-    unit = _unit(data[many]).strip(" ()")
-    return f"${SYMBOLS.get(many, many)}$ = {value:g} {unit}".rstrip()
-
-
-@_chosen(lambda data: [next(str(name) for name in data if str(name).endswith("_max"))])
-def _branch(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
-    """Metrics over the parameter: stable motions as lines, unstable ones dashed."""
-    import matplotlib.pyplot as pyplot
-
-    figure, axes = pyplot.subplots(len(names), 1, figsize=(7, 1.6 + 2.8 * len(names)), squeeze=False, sharex=True)
-    over = str(list(data)[1])
-    for ax, name in zip(axes[:, 0], names):
-        for branch in sorted(set(data.branch.values)):
-            of = data.isel({data.branch.dims[0]: data.branch.values == branch})
-            colour = LINES[int(branch + 1) % len(LINES)]["color"]
-            steady = "steady sliding" if branch < 0 else f"cycles of branch {branch:g}"
-            for stable, dash in ((1, "-"), (0, (0, (4, 2)))):
-                ax.plot(of[over], of[name].where(of.stable == stable), color=colour, linestyle=dash, linewidth=1.6,
-                        label=f"{steady}, {'stable' if stable else 'unstable'}" if (of.stable == stable).any() else None)
-        ax.set_ylabel(_label(data, name))
-    ax.set_xlabel(_label(data, over))
-    axes[0, 0].legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=1 if narrow else 2)
-    return figure
-
-
-@_chosen(lambda data: [str(name) for name in data if str(name).endswith("data")])
-def _fit(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
-    """Data and fits above their residuals over the standard error."""
-    import matplotlib.pyplot as pyplot
-
-    over = str(next(iter(data.dims)))
-    x = data[over] if over in data.variables else data[str(next(iter(data)))]
-    down, across = (len(names), 1) if narrow else (1, len(names))
-    figure, axes = pyplot.subplots(2 * down, across, figsize=(7 if across == 1 else 5 * across, 5 * down), squeeze=False,
-                                   sharex=True, gridspec_kw={"height_ratios": [2, 1] * down})
-    for (above, below), name in zip(axes.T.reshape(-1, 2), names):
-        part = name.removesuffix("data")
-        above.plot(x, data[name], linestyle="none", marker="o", markersize=2.4, color="#888888", label="measured")
-        fits = [str(one) for one in data if str(one) == f"{part}fit" or str(one).startswith(f"{part}fit_of_")]
-        for number, fit in enumerate(fits):
-            above.plot(x, data[fit], **LINES[number % len(LINES)], label=fit.removeprefix(part).replace("_", " "))
-        below.plot(x, data[f"{part}residual"] / data[f"{part}standard_error"], linestyle="none", marker=".",
-                   markersize=3, color=LINES[0]["color"])
-        above.set_ylabel(part.replace("_", " ").strip() or "measured and fitted")
-        below.set_ylabel("residual /\nstandard error")
-        below.set_xlabel(over.replace("_", " ") + _unit(x))
-        above.legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=1 if narrow else 3)
-    return figure
+        return ""
+    value, unit = data[many].values[number], data[many].attrs.get("units", "1")
+    return str(value) if many == "member" else f"{SYMBOLS.get(many, many)} = {value:g} {unit if unit != '1' else ''}".rstrip()
 
 
 def _decades(values: xarray.DataArray) -> float:
@@ -365,54 +248,3 @@ def _decades(values: xarray.DataArray) -> float:
 
     low, high = float(values.min()), float(values.max())
     return float(numpy.log10(high / low)) if low > 0 and high < float("inf") else 0
-
-
-def _of_loop(data: xarray.Dataset) -> list[str]:
-    """Of the first contact."""
-    found = [[str(name) for name in data if str(name).startswith(begin)][:1] for begin in ("slip_rate", "friction_coefficient")]
-    return sum(found, [])
-
-
-@_chosen(_of_loop)
-def _loop(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
-    """Two variables of a periodic motion, one over the other."""
-    import matplotlib.pyplot as pyplot
-
-    if len(names) != 2:
-        raise InputError("", f"a loop is one variable over another, not {len(names)}: {', '.join(names)}")
-    x, y = names
-    figure, ax = pyplot.subplots(figsize=(5.6, 4.4))
-    closed = data.isel(time=[*range(data.sizes["time"]), 0])
-    ax.plot(closed[x], closed[y], **LINES[0])
-    if _decades(data[x]) > 2:
-        ax.set_xscale("log")
-    ax.set_xlabel(_label(data, x)), ax.set_ylabel(_label(data, y))
-    return figure
-
-
-def _of_sweep(data: xarray.Dataset) -> list[str]:
-    """One quantity, in all directions in which it was recorded."""
-    names = [str(name) for name in data if "_error_" not in str(name)]
-    names.sort(key=lambda name: name.startswith("acceleration"))  # last, as in tables of runs
-    stem = names[0].removesuffix("_up").removesuffix("_down")
-    return [name for name in names if name.removesuffix("_up").removesuffix("_down") == stem]
-
-
-@_chosen(_of_sweep)
-def _sweep(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
-    """What a motion becomes: each recorded moment over the parameter."""
-    import matplotlib.pyplot as pyplot
-
-    figure, ax = pyplot.subplots(figsize=(7, 4.4))
-    over = str(data[names[0]].dims[0])
-    size = 2.2 if data[names[0]].ndim > 1 else 5  # a cloud of moments, or one number at each value
-    for number, name in enumerate(names):
-        ax.plot(data[over], data[name], linestyle="none", marker="os^vD"[number % 5], markersize=size * (1 - 0.27 * (number % 2)),
-                markeredgewidth=0, color=LINES[number % len(LINES)]["color"])
-        ax.plot([], [], linestyle="none", marker="os^vD"[number % 5], color=LINES[number % len(LINES)]["color"],
-                label=data[name].attrs.get("long_name", name).replace("_", " "))
-    ax.set_xlabel(_label(data, over))
-    ax.set_ylabel(_label(data, names[0]) if len(names) == 1 else names[0].removesuffix("_up").removesuffix("_down")
-                  .replace("_", " ") + _unit(data[names[0]]))
-    ax.legend(loc="upper left", bbox_to_anchor=(0, 1.12), ncol=2)
-    return figure

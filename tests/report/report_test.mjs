@@ -84,8 +84,8 @@ const tests = {
   async 'a motion shows its samples to mouse and keys'() {
     const page = await open('motion'), motion = document_('motion/run.json');
     const figure = page.locator('#run figure').first(), area = figure.locator('.area'), box = await area.boundingBox();
-    const isSample = ({time, 'slip rate': rate}) => motion.time.some((at, i) =>
-      near(at, time ?? 0) && near(motion.columns.slip_rate[i], rate ?? 0));
+    const isSample = ({time, displacement}) => motion.time.some((at, i) =>
+      near(at, time ?? 0) && near(motion.columns.displacement[i], displacement ?? 0));
     for (const share of [0.2, 0.5, 0.77]) {
       await page.mouse.move(box.x + box.width * share, box.y + box.height * 0.5);
       const sample = await shown(figure.locator('.readout'));
