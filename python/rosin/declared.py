@@ -22,14 +22,14 @@ MARKERS = {"dot": "o", "circle": "o", "cross": "x", "plus": "+", "square": "s", 
 PIXELS, POINTS = 115, 6  # of a screen, in an inch; of a marker of size 1
 
 
-def names(folder: Path, verb: str) -> list[str]:
-    """The figures that a verb's result in a folder declares, its main one first."""
+def names(folder: Path, label: str) -> list[str]:
+    """The figures that the result of that label in a folder declares, its main one first."""
     try:
-        files = json.loads((folder / f"{verb}.manifest.json").read_text(encoding="utf-8"))["files"]
+        files = json.loads((folder / f"{label}.manifest.json").read_text(encoding="utf-8"))["files"]
     except OSError:
         return []
     found = [file.removesuffix(".figure.json") for file in files if file.endswith(".figure.json")]
-    return sorted(found, key=lambda name: name != verb)
+    return sorted(found, key=lambda name: name != label)
 
 
 def read(folder: Path, name: str) -> dict[str, Any]:

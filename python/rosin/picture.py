@@ -89,7 +89,7 @@ def plot(result: Result, what: str | list[str] | None = None, *, width: float | 
         raise InputError("", f"width = {width} is outside 80 … 250 (width of pictures in print, mm)")
     points = STYLE["font.size"] if width is None else 7 if width < 130 else 8
     pyplot.draw_if_interactive()  # loads the backend, whose rcParams rc_context would undo: notebooks then show nothing more
-    figures = declared.names(result.folder, result.verb)
+    figures = declared.names(result.folder, result.label)
     if what is None and not figures:
         raise InputError("", f"a result of '{result.verb}' ({result.outcome}) declares no figure")
     tables: dict[str, declared.Table] = {}

@@ -53,6 +53,11 @@ class Result:
         return cls(verb, json.loads(text)["outcome"] == "reached the end", text, "", Path(folder))
 
     @property
+    def label(self) -> str:
+        """What its files are named by: the verb, or "design"."""
+        return "design" if self.verb == "compare" and "discriminability" in self.raw else self.verb
+
+    @property
     def outcome(self) -> str:
         """How the computation ended: "reached the end", "none exists", "tolerance not met", …"""
         return self.raw.get("outcome", "unknown")

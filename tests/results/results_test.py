@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """One result, the same numbers in every format: JSON against docs/results.schema.json and against the tables that it
-describes, CSV against NetCDF, MATLAB and Python, bit for bit.
+describes, CSV against NetCDF, MATLAB and Python, bit for bit; declared figures by matplotlib and in the report.
 
     tests/results/results_test.py build/release/rosin [--all]
 
 Each verb is asked of one oscillator, and a run and a cycle of each; with --all every verb of each (minutes). What needs a
-package that is not there (python3-jsonschema, -xarray, -netcdf4, -scipy; the module of rosin) says so and is left out.
+package that is not there (python3-jsonschema, -xarray, -netcdf4, -scipy, -matplotlib; the module of rosin) says so and is left out.
 """
 import csv
 import importlib
@@ -40,6 +40,7 @@ def there(module):
 
 JSONSCHEMA, XARRAY, SCIPY, ROSIN = there("jsonschema"), there("xarray"), there("scipy.io"), there("rosin")
 NUMPY = there("numpy") if XARRAY or SCIPY else None
+MATPLOTLIB = there("matplotlib.pyplot")
 
 
 def questions(every_verb):
@@ -162,6 +163,26 @@ def check_python(check, scene, verb, options, document):
         check.that(dict(data.sizes) == about["dimensions"], f"Python: {about['name']} is {dict(data.sizes)}")
 
 
+def check_figures(check, rosin, folder):
+    """Each declared figure is drawn by matplotlib, and the report has its lines."""
+    if not ROSIN or not MATPLOTLIB or not (folder / "result.json").exists():
+        return  # the work ended before there was a result
+    result = ROSIN.Result.read(folder)
+    for name in ROSIN.declared.names(folder, result.label):
+        declared, figure = ROSIN.declared.read(folder, name), ROSIN.plot(result, name)
+        figure.canvas.draw()
+        drawn = sum(bool(ax.lines or ax.collections or ax.patches or ax.containers) for ax in figure.axes)
+        check.that(drawn >= len(declared["panels"]), f"matplotlib: {name} has {drawn} of {len(declared['panels'])} panels")
+        MATPLOTLIB.close(figure)
+    reported = subprocess.run([rosin, "report", str(folder), "--quiet"], capture_output=True, text=True)
+    check.that(reported.returncode == 0, f"no report: {reported.stderr}")
+    page = (folder / "report.html").read_text() if reported.returncode == 0 else ""
+    shown = [json.loads(text.split(">", 1)[1]) for text in page.split("</script>") for text in text.split('<script type="application/json"')[1:]]
+    for figure in shown:
+        lines = figure.get("series") or figure.get("rules") or figure.get("layers")
+        check.that(lines, f"report: nothing in {figure.get('title')}")
+
+
 def ask(rosin, scene, verb, options):
     check = Check(f"{' '.join(verb)} {scene}")
     with tempfile.TemporaryDirectory() as out:
@@ -180,6 +201,7 @@ def ask(rosin, scene, verb, options):
             return check
         check_tables(check, document, folder)
         check_python(check, scene, verb, options, document)
+        check_figures(check, rosin, folder)
     return check
 
 
