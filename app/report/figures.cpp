@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Numbers in one figure: what a page of a megabyte has room for.
-constexpr std::size_t most_numbers = 40'000;
+constexpr double most_numbers = 60'000;
 constexpr std::uintmax_t largest_declaration = 10'000'000;  // bytes
 
 /// Samples that are shown where there is no room for all: of each stretch the least and the largest value, and a gap.
@@ -161,11 +161,20 @@ bool is_drawable(const ordered_json& panel) {
          });
 }
 
+/// The part of their samples that all lines of a figure have room for.
+double shown_part(const ordered_json& declared, Tables& tables) {
+  double samples = 1;
+  for (const auto& panel : at(declared, "panels"))
+    for (const auto& line : at(panel, "lines"))
+      if (const auto& table = tables[word(line, "table")]; is_drawable(panel) && !table.empty())
+        samples += double(table.front().values.size());
+  return most_numbers / (2 * samples);
+}
+
 /// Each panel is a figure of the page.
-Figure panel_of(const Result& result, const ordered_json& declared, const ordered_json& panel, Tables& tables) {
+Figure panel_of(const Result& result, const ordered_json& declared, const ordered_json& panel, double part,
+                Tables& tables) {
   const auto& lines = at(panel, "lines");
-  const auto all_lines = at(declared, "panels").size() * std::max<std::size_t>(lines.size(), 1);
-  const auto room = std::max<std::size_t>(most_numbers / (2 * all_lines), 50);
   auto x = axis_of(at(panel, "x")), y = axis_of(at(panel, "y"));
   auto series = ordered_json::array();
   bool all = true;
@@ -179,6 +188,7 @@ Figure panel_of(const Result& result, const ordered_json& declared, const ordere
     const auto upper = how == "band" ? values_of(at(line, "high"), table) : std::vector<double>();
     for (std::size_t row = 0; row < up.size(); ++row)
       if (!holds(at(line, "where"), table, row)) up[row] = NAN;
+    const auto room = std::size_t(std::max(50.0, std::min(part, 1.0) * double(up.size())));
     const auto kept = how == "points" || up.size() <= room ? every_so_many(up.size(), room) : thinned(up, room);
     all = all && kept.size() == up.size();
     const auto list = [&](const std::vector<double>& values) {
@@ -227,9 +237,10 @@ void add_declared(const Folder& folder, const Result& result, std::vector<Figure
     const auto declared =
         output::parse_document((folder.path / name).string(), read_found(folder.path / name, largest_declaration));
     const auto before = figures.size();
+    const double part = shown_part(declared, tables);
     for (const auto& panel : at(declared, "panels")) {
       if (!is_drawable(panel)) continue;
-      auto figure = panel_of(result, declared, panel, tables);
+      auto figure = panel_of(result, declared, panel, part, tables);
       if (!figure.data["series"].empty() || figure.data.contains("rules")) figures.push_back(std::move(figure));
     }
     const bool is_missing = figures.size() == before && !has_plane;  // whose numbers stand on the page's own plane

@@ -223,13 +223,25 @@ std::string reproduction_html(const Result& result, Shown& shown) {
              escaped(scene));
 }
 
+/// The result's own sentence, and what others of the folder add to it.
+std::string verdict_html(const Folder& folder, const Result& result) {
+  auto text = word(result.document, "verdict");
+  if (result.label == "stability" && !yes(result.document, "stable"))
+    for (const auto& other : folder.results)
+      if (const double period = number(other.document, "period");
+          other.label == "cycle" && period > 0 && at(other.manifest, "parameters") == at(result.manifest, "parameters"))
+        text += fmt::format(" A periodic motion of period {} exists.",
+                            amount(period, "s", number(at(other.document, "error"), "period")));
+  return escaped(text);
+}
+
 std::string section_of(const Folder& folder, const Result& result, Shown& shown) {
   const auto id = id_of(result.label);
   const auto figures = figures_html(folder, result);
   auto html = fmt::format(
       "<section id=\"{0}\" aria-labelledby=\"{0}-heading\">\n<h2 id=\"{0}-heading\">{1}</h2>\n<p "
       "class=\"verdict\">{2}</p>\n{3}{4}{5}",
-      id, escaped(heading_of(result.label)), escaped(verdict_of(folder, result)), problems_html(result), figures,
+      id, escaped(heading_of(result.label)), verdict_html(folder, result), problems_html(result), figures,
       tables_of(result));
   html += "<h3>Assumptions</h3>\n";
   if (const auto assumptions = assumptions_of(result); !assumptions.empty()) html += list_of(assumptions);

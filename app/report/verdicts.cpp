@@ -440,7 +440,7 @@ std::string of_verify(const Result& result) {
 
 }  // namespace
 
-std::string verdict_of(const Folder& folder, const Result& result) {
+std::string verdict_of(const Result& result) {
   const std::map<std::string, std::string (*)(const Result&)> by_label = {{"stability", of_stability},
                                                                           {"cycle", of_cycle},
                                                                           {"run", of_run},
@@ -458,16 +458,10 @@ std::string verdict_of(const Folder& folder, const Result& result) {
                                                                           {"study", of_study},
                                                                           {"verify", of_verify}};
   const auto found = by_label.find(result.label);
-  auto text = found == by_label.end() ? std::string() : found->second(result);
-  if (text.empty()) text = fmt::format("The work {}.", word(result.document, "outcome"));
-  if (result.label == "stability" && !yes(result.document, "stable"))
-    for (const auto& other : folder.results)
-      if (other.label == "cycle" && number(other.document, "period") > 0 &&
-          at(other.manifest, "parameters") == at(result.manifest, "parameters"))
-        text +=
-            fmt::format(" A periodic motion of period {} exists.",
-                        decisive(number(other.document, "period"), "s", number(at(other.document, "error"), "period")));
-  return text;
+  const auto text = found == by_label.end() ? std::string() : found->second(result);
+  if (!text.empty()) return text;
+  const auto outcome = word(result.document, "outcome");
+  return outcome == "reached the end" ? "The work reached the end." : fmt::format("The work ended short: {}.", outcome);
 }
 
 std::vector<std::string> assumptions_of(const Result& result) {

@@ -22,7 +22,7 @@ std::string utc_now() {
 
 }  // namespace
 
-std::string to_json(const scene::Scene& scene, const Manifest& manifest) {
+ordered_json document_of(const scene::Scene& scene, const Manifest& manifest) {
   auto document = head(scene, manifest.verb, manifest.outcome);
   document["date"] = utc_now();
   document["scene"] = scene.path;
@@ -38,8 +38,10 @@ std::string to_json(const scene::Scene& scene, const Manifest& manifest) {
   document["files"] = manifest.files;
   document["scripts"] = manifest.scripts;
   document["notes"] = scene.notes;
-  return text(document);
+  return document;
 }
+
+std::string to_json(const scene::Scene& scene, const Manifest& manifest) { return text(document_of(scene, manifest)); }
 
 std::string to_json(const std::string& verb, const Outcome& outcome) {
   return text({{"title", ""},

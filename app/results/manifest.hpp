@@ -1,6 +1,7 @@
 /// Results as JSON: the same text stands in result.json and is printed by --json.
 #pragma once
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct Manifest {
   std::vector<std::string> overrides, files;
   std::map<std::string, std::string> scripts;  ///< for gnuplot, and the checksums by which they are known as ours
 };
+
+nlohmann::ordered_json document_of(const scene::Scene&, const Manifest&);
 
 // Numbers are printed so that they read back the same; what is absent or not finite is null.
 std::string to_json(const scene::Scene&, const Manifest&);

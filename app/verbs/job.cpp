@@ -10,6 +10,7 @@
 #include "app/output/document.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
+#include "app/report/verdicts.hpp"
 #include "app/results/writers.hpp"
 #include "app/scene/toml_document.hpp"
 #include "app/verbs/stopping.hpp"
@@ -155,7 +156,7 @@ void Job::say_what_is_replaced() const {
   const auto& old = found.document;
   if (!found.problem.empty()) note(fmt::format("{}: what is replaced is not known", found.problem));
   if (old.empty()) return;
-  const auto now = ordered_json::parse(results::to_json(scene_, manifest_));
+  const auto now = results::document_of(scene_, manifest_);
   const auto of = [](const ordered_json& manifest, const char* key) { return manifest.value(key, ordered_json()); };
   const auto tolerance = [&](const ordered_json& manifest) {
     const auto both = of(manifest, "tolerance");
@@ -230,7 +231,9 @@ void write_results(const fs::path& folder, const std::string& label, const std::
 Status Job::finish(const results::Result& result, std::vector<std::string> files) {
   results_are_due();
   const auto& outcome = result.outcome;
-  const auto document = results::text(result.document());
+  report::Result told{label_, result.document(), results::document_of(scene_, manifest_), {}};
+  told.document["verdict"] = report::verdict_of(told);
+  const auto document = results::text(told.document);
   manifest_.files = results::write_tables(folder(), result, request_);
   manifest_.files.insert(manifest_.files.end(), files.begin(), files.end());
   const bool failed = !outcome.complete() && manifest_.files.empty();

@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "app/companion.hpp"
+#include "app/report/verdicts.hpp"
 #include "app/results/manifest.hpp"
 #include "app/results/result.hpp"
 #include "app/scene/scene.hpp"
@@ -193,13 +194,18 @@ verbs::Status verify(const Request& request) {
 
   auto list = ordered_json::array();
   for (const auto& answer : answers) list.push_back(to_json(answer));
-  const auto document = results::text({{"verb", "verify"},
-                                       {"version", ROSIN_VERSION},
-                                       {"outcome", name(outcome.ending)},
-                                       {"passed", sound},
-                                       {"summary", counted(answers)},
-                                       {"seconds", verbs::seconds_since(begin)},
-                                       {"cases", std::move(list)}});
+  report::Result told{.label = "verify",
+                      .document = {{"verb", "verify"},
+                                   {"version", ROSIN_VERSION},
+                                   {"outcome", name(outcome.ending)},
+                                   {"passed", sound},
+                                   {"summary", counted(answers)},
+                                   {"seconds", verbs::seconds_since(begin)},
+                                   {"cases", std::move(list)}},
+                      .manifest = {},
+                      .checksum = {}};
+  told.document["verdict"] = report::verdict_of(told);
+  const auto document = results::text(told.document);
   verbs::draw_pictures(request, folder, manifest);
   manifest.files.emplace_back("verify.json");
   scene::Scene none;

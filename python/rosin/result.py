@@ -68,6 +68,11 @@ class Result:
         return self.raw.get("outcome_detail", "")
 
     @property
+    def verdict(self) -> str:
+        """What the result says in a sentence, with the numbers that decide."""
+        return self.raw.get("verdict", "")
+
+    @property
     def metrics(self) -> dict[str, float]:
         """Single numbers by name, in SI units: of a cycle, the readings of an experiment, fitted parameters, …"""
         for table in ("readings", "metrics", "parameters", "steady"):

@@ -53,12 +53,12 @@ TEST_CASE("a run shows the speed and the load that drive it", "[pictures]") {
   REQUIRE(run_rosin(folder, "run scene.toml --out out --no-pictures").status == 0);
   const auto script = content(folder.path / "out/run.gp");
   CHECK_THAT(script, Contains("'drive speed'"));
-  CHECK_THAT(script, Contains("'normal load N (N)'"));
+  CHECK_THAT(script, Contains("'normal load '.'N'.' (N)'"));
   const auto drive = content(folder.path / "out/run-drive.csv");
   CHECK_THAT(drive, Contains("\n0,1e-05,20\n") && Contains("\n2,1e-05,30\n"));
   // A load that never changes has nothing to show.
   REQUIRE(run_rosin(folder, "run scene.toml --set drive.normal_load=20 --out out2 --no-pictures").status == 0);
-  CHECK_THAT(content(folder.path / "out2/run.gp"), !Contains("'normal load N (N)'"));
+  CHECK_THAT(content(folder.path / "out2/run.gp"), !Contains("'normal load '.'N'"));
 }
 
 TEST_CASE("a plane's caption leaves out what the plane varies, and its marks stand at exceptions alone", "[pictures]") {

@@ -11,6 +11,7 @@
 #include "app/report/figures.hpp"
 #include "app/report/quantities.hpp"
 #include "app/report/tables.hpp"
+#include "app/report/verdicts.hpp"
 #include "tests/app/command.hpp"
 
 using Catch::Matchers::Contains;
@@ -153,15 +154,16 @@ TEST_CASE("a report has a section for each verb, with the numbers of its documen
           "a minimum of " +
           number_text(json_of(folder.path / "out/curve.json")["extrema"][1]["friction_coefficient"].get<double>(), 5)));
 
-  // The figure holds the solver's own steps: its fastest slip is that of the document, to the curvature between steps.
-  const auto data = figure(page, "cycle-1");
-  const auto& columns = data["columns"];
-  const auto slip =
-      std::find_if(columns.begin(), columns.end(), [](const auto& c) { return c["key"] == "slip_rate"; }) -
-      columns.begin();
-  const auto rates = numbers(data["series"][0]["data"][std::size_t(slip)]);
+  // The figures hold the solver's own steps: their fastest slip is that of the document, to the curvature between
+  // steps.
+  const auto panels = json_of(folder.path / "out/cycle.figure.json")["panels"];
+  const auto over_time = figure(page, "cycle-1"), loop = figure(page, "cycle-2");
+  CHECK(over_time["x"]["name"] == "time");
+  CHECK(over_time["y"]["name"] == panels[0]["y"]["name"]);
+  const auto rates = numbers(over_time["series"][0]["y"]);
   CHECK(*std::max_element(rates.begin(), rates.end()) == Approx(cycle["slip_rate_max"].get<double>()).epsilon(1e-2));
-  CHECK(count(page, "data-figure=\"cycle-1\"") == 2);  // the same numbers over time and as a loop
+  CHECK(loop["y"]["symbol"] == "μ");
+  CHECK(loop["series"][1]["name"] == "steady sliding");
 }
 
 TEST_CASE("only the loop of a structure has the point that it must not go round", "[app][report]") {
@@ -171,7 +173,7 @@ TEST_CASE("only the loop of a structure has the point that it must not go round"
     REQUIRE(run_rosin(folder, "frf " + examples + scene + ".toml --no-pictures --out " + scene).status == 0);
     REQUIRE(run_rosin(folder, std::string("report ") + scene).status == 0);
     const auto page = content(folder.path / scene / "report.html");
-    CHECK(count(page, R"("label":"−1")") == int(marked));
+    CHECK(count(page, R"("title":"critical point −1")") == int(marked));
     CHECK_FALSE(figure(page, "frf-1").contains("marks"));
   }
 }
@@ -207,6 +209,9 @@ TEST_CASE("texts of a scene stay texts on the page", "[app][report]") {
   document["notes"] = {evil}, document["warnings"] = {evil}, document["metrics"][evil] = 1, document[evil] = evil;
   document["columns"][evil] = document["time"], document["law"] = evil;
   write(folder.path / "out/run.json", document.dump());
+  auto declared = json_of(folder.path / "out/run.figure.json");
+  declared["what"] = evil, declared["panels"][0]["x"]["name"] = evil, declared["panels"][0]["notes"] = {evil};
+  write(folder.path / "out/run.figure.json", declared.dump());
   REQUIRE(run_rosin(folder, "report out").status == 0);
   const auto page = content(folder.path / "out/report.html");
   CHECK(count(page, "alert(2)") > 5);
@@ -217,7 +222,7 @@ TEST_CASE("texts of a scene stay texts on the page", "[app][report]") {
   CHECK(count(markup(page), "<!--") == 0);
   CHECK_THAT(page, Contains("&lt;/script&gt;&lt;script&gt;alert(1)"));
   CHECK_THAT(page, Contains("rosin run &#39;a &lt;b&gt;&#39;\\&#39;&#39;&quot;&amp;.toml&#39;"));  // quoted for a shell
-  CHECK(figure(page, "run-1")["columns"].back()["key"] == evil);
+  CHECK(figure(page, "run-1")["x"]["name"] == evil);
 }
 
 TEST_CASE("large planes and long motions are thinned to a page that browsers open", "[app][report]") {
@@ -235,14 +240,46 @@ TEST_CASE("large planes and long motions are thinned to a page that browsers ope
   CHECK(data["layers"][1]["values"][2][3].get<double>() ==
         Approx(wanted["metrics"]["slip_rate_max"][2 * every][3 * every].get<double>()).epsilon(1e-8));
 
-  Result motion{"run", {{"title", "Long"}, {"time", ordered_json::array()}}, {{"verb", "run"}}, "0"};
-  auto& column = motion.document["columns"]["slip_rate"] = ordered_json::array();
-  for (int i = 0; i < 200'000; ++i)
-    motion.document["time"].push_back(i), column.push_back(i == 77'777 ? 5.0 : std::sin(i));
-  const auto long_page = page_of({"long", {motion}});
+  const Folder own;
+  std::string rows = "time (s),slip_rate (m/s)\n";
+  for (int i = 0; i < 200'000; ++i) rows += fmt::format("{},{}\n", i, i == 77'777 ? 5.0 : std::sin(i));
+  write(own.path / "run.csv", rows);
+  const ordered_json column{{"column", 2}}, time{{"column", 1}};
+  const ordered_json line{{"how", "line"}, {"table", "run.csv"}, {"x", time}, {"y", column}};
+  const ordered_json panel{{"x", {{"name", "time"}}}, {"y", {{"name", "slip rate"}}}, {"lines", {line}}};
+  write(own.path / "run.figure.json", ordered_json{{"what", "Long"}, {"panels", {panel}}}.dump());
+  const Result motion{"run", {{"title", "Long"}}, {{"verb", "run"}, {"files", {"run.csv", "run.figure.json"}}}, "0"};
+  const auto long_page = page_of({own.path, {motion}});
   CHECK(long_page.size() < 1'000'000);
-  const auto kept = numbers(figure(long_page, "run-1")["series"][0]["data"][1]);
+  const auto kept = numbers(figure(long_page, "run-1")["series"][0]["y"]);
   CHECK(*std::max_element(kept.begin(), kept.end()) == 5);  // one sample of 200 000, which is the one that matters
+}
+
+TEST_CASE("a declared figure is drawn from the columns that it names", "[app][report]") {
+  const Folder own;
+  write(own.path / "run.csv", "time (s),kind,force (N)\n0,slip,1\n1,stick,-2\n\n2,slip,4\n");
+  const auto cell = [](int column) { return ordered_json{{"column", column}}; };
+  auto scaled = cell(3);
+  scaled["absolute"] = true, scaled["factor"] = 10, scaled["plus"] = 1, scaled["over"] = 3, scaled["least"] = 5;
+  const ordered_json where{{{"column", 2}, {"compare", "="}, {"value", "slip"}}};
+  const ordered_json lines{{{"how", "line"}, {"table", "run.csv"}, {"x", cell(1)}, {"y", cell(3)}},
+                           {{"how", "points"}, {"table", "run.csv"}, {"x", cell(1)}, {"y", cell(3)}, {"where", where}},
+                           {{"how", "points"}, {"rows", {{1, 2}, {3, nullptr}}}, {"x", cell(1)}, {"y", cell(2)}},
+                           {{"how", "line"}, {"table", "../run.csv"}, {"x", cell(1)}, {"y", cell(3)}},
+                           {{"how", "line"}, {"table", "run.csv"}, {"x", cell(1)}, {"y", scaled}}};
+  const ordered_json panel{{"x", {{"name", "time"}}}, {"y", {{"name", "force"}}}, {"lines", lines}};
+  write(own.path / "run.figure.json", ordered_json{{"what", "Forces"}, {"panels", {panel}}}.dump());
+  const ordered_json datasets{
+      {{"name", "run"}, {"variables", {{"time", {}}, {"kind", {}}, {"force", {{"error", 1e-3}}}}}}};
+  const Result run{"run", {{"datasets", datasets}}, {{"files", {"run.figure.json"}}}, "0"};
+  const auto drawn = figure(page_of({own.path, {run}}), "run-1");
+  const auto& series = drawn["series"];
+  REQUIRE(series.size() == 4);  // without the table that is elsewhere
+  CHECK(series[0]["y"] == ordered_json{1, -2, nullptr, 4});
+  CHECK(series[1]["y"] == ordered_json{1, nullptr, nullptr, 4});
+  CHECK(series[2]["y"] == ordered_json{2, nullptr});
+  CHECK(series[3]["y"] == ordered_json{11, 11, nullptr, 11});
+  CHECK(drawn["y"]["error"] == 1e-3);
 }
 
 TEST_CASE("values outside an axis stand beside it", "[app][report]") {
@@ -306,6 +343,20 @@ TEST_CASE("documents of any shape make a page", "[app][report]") {
       Result result{label, ordered_json::object(), ordered_json::object(), "0"};
       for (const auto* key : keys) result.document[key] = value, result.manifest[key] = value;
       result.document["parameter"] = "drive.speed";
+      CHECK_FALSE(rosin::app::report::verdict_of(result).empty());
       CHECK_THAT(page_of({"odd", {result}}), Contains("class=\"verdict\">"));
     }
+  const Folder own;
+  const Result result{"run", ordered_json::object(), {{"files", {"run.figure.json"}}}, "0"};
+  for (const auto& value : odd) {
+    ordered_json line{{"how", "line"}, {"rows", {{1, 2}}}}, panel;
+    for (const auto* key : {"x", "y", "where", "look", "title"}) line[key] = value;
+    for (const auto* key : {"x", "y", "title", "shades", "rules", "marks", "notes"}) panel[key] = value;
+    for (const auto& panels : {value, ordered_json{value}, ordered_json{{{"lines", value}}}, ordered_json{panel}}) {
+      auto whole = panels;
+      if (whole == ordered_json{panel}) whole[0]["lines"] = {line, value};
+      write(own.path / "run.figure.json", ordered_json{{"what", value}, {"panels", whole}}.dump());
+      CHECK_THAT(page_of({own.path, {result}}), Contains("class=\"verdict\">"));
+    }
+  }
 }
