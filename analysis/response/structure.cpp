@@ -508,7 +508,102 @@ std::vector<Complex> friction_loop(const Structure& structure, const Model& mode
   return loop;
 }
 
-TableLoop close_table(const std::vector<double>& frequency, const std::vector<Complex>& loop) {
+namespace {
+
+/// Friction between the frequencies at which it was measured.
+class MeasuredFriction {
+ public:
+  MeasuredFriction(const std::vector<double>& frequency, const std::vector<Complex>& value)
+      : frequency_(frequency), value_(value), doubt_(value.size()) {
+    // A straight line errs by a quarter of what one twice as long errs by.
+    for (std::size_t k = 1; k + 1 < value.size(); ++k)
+      doubt_[k] = std::abs(value[k] - between(k - 1, k + 1, frequency[k])) / 4;
+    if (value.size() > 2) doubt_.front() = doubt_[1], doubt_.back() = doubt_[value.size() - 2];
+  }
+
+  Complex operator()(double f) const {
+    const auto k = interval(f);
+    return f == frequency_[k] ? value_[k] : between(k, k + 1, f);
+  }
+  double doubt(double f) const {
+    const auto k = interval(f);
+    return f == frequency_[k] ? 0 : f == frequency_[k + 1] ? 0 : std::max(doubt_[k], doubt_[k + 1]);
+  }
+
+ private:
+  std::size_t interval(double f) const {
+    const auto above = std::ranges::upper_bound(frequency_, f) - frequency_.begin();
+    return std::size_t(std::clamp<std::ptrdiff_t>(above - 1, 0, std::ssize(frequency_) - 2));
+  }
+  Complex between(std::size_t i, std::size_t j, double f) const {
+    const double share = (f - frequency_[i]) / (frequency_[j] - frequency_[i]);
+    return (1 - share) * value_[i] + share * value_[j];
+  }
+
+  const std::vector<double>& frequency_;
+  const std::vector<Complex>& value_;
+  std::vector<double> doubt_;
+};
+
+/// Frequencies (Hz) about the resonances of a structure without friction, ever closer to them.
+std::vector<double> about_resonances(const Structure& structure, double low, double high) {
+  constexpr double closest = 1e-6;
+  std::vector<double> found;
+  const Eigen::VectorXcd squares = structure.M.partialPivLu().solve(structure.K).eigenvalues();
+  for (const Complex square : squares) {
+    const double resonance = std::abs(std::sqrt(square)) / (2 * std::numbers::pi);
+    if (!(resonance > low / 2) || !(resonance < 2 * high)) continue;
+    found.push_back(resonance);
+    for (double apart = 0.3; apart > closest; apart /= 2)
+      for (const double sign : {-1.0, 1.0}) found.push_back(resonance * (1 + sign * apart));
+  }
+  std::erase_if(found, [&](double f) { return !(f > low) || !(f < high); });
+  return found;
+}
+
+}  // namespace
+
+LoopPath measured_friction_loop(const Structure& structure, const Model& model,
+                                const std::optional<NormalContact>& normal, const std::vector<double>& frequency,
+                                const std::vector<Complex>& friction) {
+  if (frequency.size() != friction.size() || frequency.size() < 3)
+    throw InputError("friction must be given at three frequencies or more");
+  constexpr double largest_turn = 0.4, closest = 1e-9;  // rad; relative
+  constexpr double probe = 1e-6;                        // of Z, by which its doubt becomes one of the loop
+  const Assembly assembly(structure, model, normal);
+  const MeasuredFriction measured(frequency, friction);
+  LoopPath path;
+  const auto add = [&](double f) {
+    const Complex s(0, 2 * std::numbers::pi * f), Z = measured(f), distance = assembly.distance(s, Z);
+    const double doubt = measured.doubt(f), size = std::abs(Z);
+    const double slope =
+        doubt > 0 && size > 0 ? std::abs(assembly.distance(s, Z * (1 + probe)) - distance) / (probe * size) : 0;
+    path.frequency.push_back(f), path.loop.push_back(distance - 1.0), path.doubt.push_back(slope * doubt);
+  };
+  auto wanted = about_resonances(structure, frequency.front(), frequency.back());
+  wanted.insert(wanted.end(), frequency.begin(), frequency.end());
+  std::ranges::sort(wanted);
+  wanted.erase(std::ranges::unique(wanted).begin(), wanted.end());
+  // Towards each of them from the one before, halving the way while 1 + L turns far on it.
+  for (const double target : wanted) {
+    std::vector<double> ahead{target};
+    while (!ahead.empty()) {
+      add(ahead.back());
+      const auto n = path.loop.size();
+      const bool near = n < 2 || ahead.back() - path.frequency[n - 2] < closest * ahead.back();
+      if (!near && std::abs(std::arg((1.0 + path.loop[n - 1]) / (1.0 + path.loop[n - 2]))) > largest_turn) {
+        ahead.push_back(0.5 * (path.frequency[n - 2] + path.frequency[n - 1]));
+        path.frequency.pop_back(), path.loop.pop_back(), path.doubt.pop_back();
+      } else {
+        ahead.pop_back();
+      }
+    }
+  }
+  return path;
+}
+
+TableLoop close_table(const LoopPath& path) {
+  const auto& [frequency, loop, doubt] = path;
   if (frequency.size() != loop.size() || frequency.size() < 3)
     throw InputError("friction or receptance must be given at three frequencies or more");
   TableLoop result;
@@ -517,6 +612,7 @@ TableLoop close_table(const std::vector<double>& frequency, const std::vector<Co
   for (std::size_t k = 0; k < frequency.size(); ++k) {
     const double distance = std::abs(1.0 + loop[k]);
     if (distance < result.margin) result.margin = distance, result.margin_frequency = frequency[k];
+    if (!doubt.empty() && doubt[k] >= distance) result.resolved = false;
     if (k == 0) continue;
     const double step = std::arg((1.0 + loop[k]) / (1.0 + loop[k - 1]));
     angle += step;

@@ -125,15 +125,29 @@ std::vector<std::complex<double>> friction_loop(const Structure&, const Model&, 
                                                 const std::vector<double>& frequency,
                                                 const std::vector<std::complex<double>>& friction = {});
 
-/// Nyquist on a table of the loop L. Nothing is interpolated: where the phase of 1 + L turns by more than a quarter
-/// from one frequency to the next the count is not to be relied on.
+/// The loop L at rising frequencies (Hz).
+struct LoopPath {
+  std::vector<double> frequency;
+  std::vector<std::complex<double>> loop;
+  std::vector<double> doubt = {};  ///< of each value, by interpolation; empty: none
+};
+/// The loop of a friction response that was measured at some frequencies and bends little between them, with a
+/// structure whose resonances may be narrower than their distance: from the first frequency to the last, as closely as
+/// 1 + L turns. Between frequencies Z is a straight line; a quarter of what leaving each of them out would change is
+/// the doubt of the values beside it.
+LoopPath measured_friction_loop(const Structure&, const Model&, const std::optional<NormalContact>&,
+                                const std::vector<double>& frequency,
+                                const std::vector<std::complex<double>>& friction);
+
+/// Nyquist on a path of the loop L. Where the phase of 1 + L turns by more than a quarter from one frequency to the
+/// next, or doubt is as large as 1 + L, the count is not to be relied on.
 struct TableLoop {
   double turns = 0;  ///< of 1 + L about 0 along the table; −1 for each pair of unstable roots between its ends
   int unstable = 0;  ///< roots in the right half-plane, in pairs, if the table's ends enclose them
   bool resolved = true;
   double margin = 0, margin_frequency = 0;  ///< least |1 + L|, and where (Hz)
 };
-TableLoop close_table(const std::vector<double>& frequency, const std::vector<std::complex<double>>& loop);
+TableLoop close_table(const LoopPath&);
 
 /// Values at which the count of unstable roots changes, of a loop by tables at each value. The error is the range of
 /// values for which the table does not resolve the loop.

@@ -122,21 +122,27 @@ void add_critical(Job& job, ordered_json& stability, const std::vector<analysis:
   if (values.empty()) job.say("no critical value of {} from {} to {}", use.scan, use.scan_from, use.scan_to);
 }
 
-/// The loop at the frequencies of the tables, of friction and receptance as measured or as the sliding structure gives
-/// them.
-std::vector<Complex> loop_by_tables(const analysis::response::SlidingStructure& sliding,
-                                    const std::vector<double>& frequency, std::vector<Complex> friction,
-                                    const std::vector<Complex>& receptance) {
+/// The loop of friction and receptance as measured or as the sliding structure gives them. A measured receptance has
+/// resonances: between its frequencies nothing is known.
+analysis::response::LoopPath loop_by_tables(const analysis::response::SlidingStructure& sliding,
+                                            const std::vector<double>& frequency, std::vector<Complex> friction,
+                                            const std::vector<Complex>& receptance) {
   if (receptance.empty())
-    return analysis::response::friction_loop(sliding.structure(), sliding.model, sliding.normal, frequency, friction);
+    return analysis::response::measured_friction_loop(sliding.structure(), sliding.model, sliding.normal, frequency,
+                                                      friction);
   if (friction.empty()) {
     const analysis::response::FrictionResponse response(sliding.model);
     for (const double f : frequency) friction.push_back(response.tangential({0, 2 * std::numbers::pi * f}));
   }
-  std::vector<Complex> loop;
+  analysis::response::LoopPath path{frequency, {}};
   for (std::size_t k = 0; k < frequency.size(); ++k)
-    loop.push_back(Complex(0, 2 * std::numbers::pi * frequency[k]) * friction[k] * receptance[k]);
-  return loop;
+    path.loop.push_back(Complex(0, 2 * std::numbers::pi * frequency[k]) * friction[k] * receptance[k]);
+  return path;
+}
+
+/// "stable", or that the tables do not tell.
+std::string judgement(const analysis::response::TableLoop& loop) {
+  return !loop.resolved ? "undecided" : loop.unstable == 0 ? "stable" : "unstable";
 }
 
 /// Adds to each value what its standard error lets expect.
@@ -154,28 +160,34 @@ void table_stability(Job& job, results::Result& result, std::vector<std::string>
     throw InputError(
         "frf.structure: friction and receptance must be measured at the same frequencies; nothing is "
         "interpolated");
-  const auto values = loop_by_tables(use.sliding, table.frequency, use.friction.value, use.receptance.value);
-  const auto loop = analysis::response::close_table(table.frequency, values);
-  stability["stable"] = loop.unstable == 0;
+  const auto path = loop_by_tables(use.sliding, table.frequency, use.friction.value, use.receptance.value);
+  const auto loop = analysis::response::close_table(path);
+  stability["stable"] = loop.resolved ? ordered_json(loop.unstable == 0) : ordered_json();
   stability["unstable_by_nyquist"] = loop.unstable;
   stability["turns"] = loop.turns;
   stability["resolved"] = loop.resolved;
   stability["margin"] = loop.margin;
   stability["margin_frequency"] = loop.margin_frequency;
   job.say("structure and friction, by tables: {}, {} roots in the right half-plane; margin {:.4g} at {:.5g} Hz",
-          loop.unstable == 0 ? "stable" : "unstable", loop.unstable, loop.margin, loop.margin_frequency);
+          judgement(loop), loop.unstable, loop.margin, loop.margin_frequency);
   if (!loop.resolved)
-    job.note(
-        "the loop turns by more than a quarter between neighbouring frequencies: the count is not to be relied on");
-  if (!use.scan.empty())
+    job.note(use.receptance.frequency.empty() ? "friction between the frequencies of its table is not known well "
+                                                "enough for the count of roots: it needs closer ones"
+                                              : "the loop turns by more than a quarter between neighbouring "
+                                                "frequencies: the count is not to be relied on");
+  const auto loop_at = [&](double value) {
+    return loop_by_tables(use.sliding.with(use.scan, value), table.frequency, use.friction.value, use.receptance.value);
+  };
+  const bool scans = !use.scan.empty();
+  if (scans && loop_at(use.scan_from).loop == loop_at(use.scan_to).loop) {
+    job.note(fmt::format("{} changes nothing here: what is measured holds at the load and speed of its measurement",
+                         use.scan));
+  } else if (scans) {
     add_critical(job, stability,
                  analysis::response::critical_values(
-                     [&](double value) {
-                       return analysis::response::close_table(
-                           table.frequency, loop_by_tables(use.sliding.with(use.scan, value), table.frequency,
-                                                           use.friction.value, use.receptance.value));
-                     },
-                     use.scan_from, use.scan_to, use.scan_points));
+                     [&](double value) { return analysis::response::close_table(loop_at(value)); }, use.scan_from,
+                     use.scan_to, use.scan_points));
+  }
   if (!use.uncertain.empty() || !use.friction.error.empty() || !use.receptance.error.empty()) {
     const auto spread = analysis::response::propagate(
         use.sliding, use.uncertain, use.samples, use.seed,
@@ -183,15 +195,14 @@ void table_stability(Job& job, results::Result& result, std::vector<std::string>
           auto friction = use.friction.value, receptance = use.receptance.value;
           disturb(friction, use.friction.error, use.seed + 2 * std::uint64_t(sample) + 1);
           disturb(receptance, use.receptance.error, use.seed + 2 * std::uint64_t(sample) + 2);
-          const auto drawn = analysis::response::close_table(
-              table.frequency, loop_by_tables(changed, table.frequency, friction, receptance));
+          const auto drawn =
+              analysis::response::close_table(loop_by_tables(changed, table.frequency, friction, receptance));
           return analysis::response::Drawn{drawn.unstable > 0, drawn.margin};
         });
     add_uncertainty(job, stability, spread, "margin", "");
   }
-  draw_loop(job, table.frequency, values,
-            {fmt::format("{} by tables: {} roots in the right half-plane", loop.unstable == 0 ? "stable" : "unstable",
-                         loop.unstable),
+  draw_loop(job, path.frequency, path.loop,
+            {fmt::format("{} by tables: {} roots in the right half-plane", judgement(loop), loop.unstable),
              {},
              loop.margin,
              loop.margin_frequency},

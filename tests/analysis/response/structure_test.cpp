@@ -9,6 +9,7 @@
 #include <random>
 
 #include "analysis/steady/stability.hpp"
+#include "core/random.hpp"
 #include "tests/bristol_board.hpp"
 
 using namespace rosin;
@@ -150,7 +151,7 @@ TEST_CASE("modes are matrices, and 1 + L is what the margin measures", "[structu
       const Complex jw(0, 2 * std::numbers::pi * hertz.back());
       L.push_back(jw * there.tangential(jw) * receptance(s, jw));
     }
-    const auto table = close_table(hertz, L);
+    const auto table = close_table({hertz, L});
     const auto by_determinants = friction_loop(s, loaded, {}, hertz);
     for (std::size_t k = 0; k < L.size(); k += 1000)
       CHECK(std::abs(by_determinants[k] - L[k]) < 1e-11 * (1 + std::abs(L[k])));
@@ -171,7 +172,7 @@ TEST_CASE("a measured response keeps the coupling of load and motion, and is sca
   const std::vector<Complex> none(hertz.size());
   const auto at = [&](double mu) {
     const auto changed = sliding.with("law.mu_d", mu);
-    return close_table(hertz, friction_loop(changed.structure(), changed.model, changed.normal, hertz, none));
+    return close_table({hertz, friction_loop(changed.structure(), changed.model, changed.normal, hertz, none)});
   };
   CHECK(at(0.4).unstable == 2);
   CHECK(at(0.4).resolved);
@@ -186,6 +187,33 @@ TEST_CASE("a measured response keeps the coupling of load and motion, and is sca
   const Complex Z(-4, 2), s(0, 2 * std::numbers::pi * 20);
   const auto product = (1.0 + s * Z / (s * s + 3.0 * s + 1e4)) * (1.0 + s * Z / (2.0 * s * s + 5.0 * s + 9e4));
   CHECK(std::abs(friction_loop(two, sliding.model, {}, {20}, {Z})[0] - (product - 1.0)) < 1e-12);
+}
+
+TEST_CASE("narrow resonances are found between the frequencies of a measured response", "[structure]") {
+  // Half-widths of 0.1 to 10 Hz, friction known every 40 Hz: the count is that of eigenvalues with the law itself.
+  const auto law_model = slider_under("ageing", {0.4, 0.010, 0.013, 5e-7, 1e-6}, any_slider, 2e-3, 20);
+  std::vector<double> hertz;
+  for (int i = 0; i <= 125; ++i) hertz.push_back(20 + 40 * i);
+  int unstable = 0, resolved = 0;
+  const auto random = rosin::white_noise(80, 3);
+  for (std::size_t i = 0; i < 20; ++i) {
+    SlidingStructure sliding;
+    std::vector<rosin::analysis::response::Mode> modes;
+    for (std::size_t k = 0; k < 2; ++k)
+      modes.push_back({150 * std::exp(1.5 * double(k) + 0.5 * random[4 * i + 2 * k]),
+                       0.004 * std::exp(random[4 * i + 2 * k + 1]), 0.4, k == 0 ? 1.0 : 0.7});
+    sliding.form = modes, sliding.model = law_model;
+    std::vector<Complex> Z;
+    for (const double f : hertz) Z.push_back(FrictionResponse(law_model).tangential({0, 2 * std::numbers::pi * f}));
+    const auto closed = close_loop(sliding.structure(), law_model);
+    const auto table = close_table(measured_friction_loop(sliding.structure(), law_model, {}, hertz, Z));
+    INFO(i);
+    unstable += closed.unstable_by_eigenvalues > 0, resolved += table.resolved;
+    if (table.resolved) CHECK(table.unstable == closed.unstable_by_eigenvalues);
+  }
+  CHECK(unstable > 3);
+  CHECK(unstable < 20);
+  CHECK(resolved >= 18);
 }
 
 TEST_CASE("mode coupling under Coulomb friction: two modes merge at the friction that theory names", "[structure]") {
