@@ -10,8 +10,10 @@
 from .beside import beside
 from .catalogue import Law, laws, normal_laws
 from .errors import IncompleteWarning, InputError
+from .own_law import asinh_exp, law, sinh_exp
 from .picture import STYLE, plot
 from .result import Result
 from .scene import Scene, load
 
-__all__ = ["STYLE", "IncompleteWarning", "InputError", "Law", "Result", "Scene", "beside", "laws", "load", "normal_laws", "plot"]
+__all__ = ["STYLE", "IncompleteWarning", "InputError", "Law", "Result", "Scene", "asinh_exp", "beside", "law", "laws", "load", "normal_laws",
+           "plot", "sinh_exp"]
