@@ -54,6 +54,7 @@ std::string foreign(const fs::directory_entry& entry) {
   if (!fs::is_regular_file(status)) return "is no regular file";
   constexpr std::string_view mark = "\x89PNG\r\n\x1a\n";
   if (extension == ".png" && !begins_with(entry.path(), mark)) return "is no PNG";
+  if (extension == ".wav" && !begins_with(entry.path(), "RIFF")) return "is no WAV";
   return {};
 }
 

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view mark = "<meta name=\"generator\" content=\"rosin report";
-constexpr std::uintmax_t largest_pictures = 300'000;  // bytes of one section's
+constexpr std::uintmax_t largest_pictures = 300'000, largest_sound = 600'000;  // bytes of one section's
 
 std::string base64(std::string_view bytes) {
   constexpr std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -112,6 +112,24 @@ std::string picture_html(const Folder& folder, const std::string& file, const st
   return fmt::format(
       "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
       escaped(caption + " As drawn by gnuplot."), base64(read_found(folder.path / file, largest_pictures)));
+}
+
+/// Sounds of a result, to be heard on the page.
+std::string sounds_html(const Folder& folder, const Result& result) {
+  std::string html;
+  for (const auto& file : at(result.manifest, "files")) {
+    const fs::path name = file.is_string() ? file.get<std::string>() : "";
+    std::error_code problem;
+    if (name.extension() != ".wav" || name.has_parent_path() || folder.left_out.contains(name.string()) ||
+        !fs::is_regular_file(folder.path / name, problem) || fs::file_size(folder.path / name, problem) > largest_sound)
+      continue;
+    html += fmt::format(
+        "<figure><audio controls preload=\"metadata\" aria-label=\"{0}\" src=\"data:audio/wav;base64,{1}\"></audio>"
+        "<figcaption>{0}: as loud as a file can hold.</figcaption></figure>\n",
+        escaped(name.stem().string() == "bridge" ? "The force on the bridge, heard" : name.stem().string()),
+        base64(read_found(folder.path / name, largest_sound)));
+  }
+  return html;
 }
 
 std::string figures_html(const Folder& folder, const Result& result) {
@@ -237,7 +255,7 @@ std::string verdict_html(const Folder& folder, const Result& result) {
 
 std::string section_of(const Folder& folder, const Result& result, Shown& shown) {
   const auto id = id_of(result.label);
-  const auto figures = figures_html(folder, result);
+  const auto figures = figures_html(folder, result) + sounds_html(folder, result);
   auto html = fmt::format(
       "<section id=\"{0}\" aria-labelledby=\"{0}-heading\">\n<h2 id=\"{0}-heading\">{1}</h2>\n<p "
       "class=\"verdict\">{2}</p>\n{3}{4}{5}",
@@ -269,7 +287,7 @@ std::string page_of(const Folder& folder) {
   return fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n{} {}\">\n"
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src {} {}; style-src {}; "
-      "img-src data:; "
+      "img-src data:; media-src data:; "
       "base-uri 'none'; form-action 'none'\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, "
       "initial-scale=1\">\n<title>{}</title>\n<style>{}</style>\n</head>\n<body>\n"

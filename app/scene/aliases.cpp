@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <sstream>
+#include <utility>
 
 #include "app/scene/oscillator.hpp"
 #include "app/scene/scene_table.hpp"
@@ -82,7 +83,7 @@ constexpr Alias aliases[] = {
     {"oscillator", "omega omega0 omegan naturalfrequency f0 fn", "stiffness",
      "is a frequency: give oscillator.stiffness = m ω² (N/m), with ω in rad/s"},
     {"oscillator", "kc kcrit criticalstiffness", "stiffness", "is an answer of 'rosin stability', not a setting"},
-    {"drive", "v vlp vl vload velocity loadingvelocity loadingrate loadpointvelocity beltspeed", "speed"},
+    {"drive", "v vlp vl vload vw velocity loadingvelocity loadingrate loadpointvelocity beltspeed", "speed"},
     {"drive", "n fn normalforce load", "normal_load"},
     {"drive", "sigma sigman normalstress pressure", "normal_load",
      "is a stress: give it as drive.normal_load = \"5 MPa\", say, and the area as oscillator.area (m²)"},
@@ -93,11 +94,29 @@ constexpr Alias aliases[] = {
 constexpr std::string_view keys_of_laws[] = {
     "type", "preset", "lambda", "formula", "heating", "contact_stiffness", "load_memory"};
 
-/// In lower case, without what only separates: "D_c" and "dc" are one word.
+/// Letters as they are written, and their names.
+constexpr std::pair<std::string_view, std::string_view> letters_by_name[] = {
+    {"α", "alpha"}, {"β", "beta"},  {"γ", "gamma"},  {"δ", "delta"}, {"ε", "epsilon"}, {"ζ", "zeta"},   {"η", "eta"},
+    {"θ", "theta"}, {"κ", "kappa"}, {"λ", "lambda"}, {"μ", "mu"},    {"µ", "mu"},      {"ν", "nu"},     {"ρ", "rho"},
+    {"σ", "sigma"}, {"τ", "tau"},   {"φ", "phi"},    {"ψ", "psi"},   {"ω", "omega"},   {"Λ", "lambda"}, {"₀", "0"},
+    {"₁", "1"},     {"₂", "2"},     {"₃", "3"},      {"ₛ", "s"},     {"ᵣ", "r"}};
+
+/// In lower case, without what only separates, and Greek letters by their names: "D_c" and "dc" are one word, as "μ_s"
+/// and "mus".
 std::string plain(std::string_view word) {
   std::string letters;
-  for (const unsigned char c : word)
+  while (!word.empty()) {
+    const auto* found =
+        std::ranges::find_if(letters_by_name, [&](const auto& one) { return word.starts_with(one.first); });
+    if (found != std::end(letters_by_name)) {
+      letters += found->second;
+      word.remove_prefix(found->first.size());
+      continue;
+    }
+    const auto c = static_cast<unsigned char>(word.front());
     if (std::string_view("_- ").find(char(c)) == std::string_view::npos) letters += char(std::tolower(c));
+    word.remove_prefix(1);
+  }
   return letters;
 }
 

@@ -117,6 +117,7 @@ TEST_CASE("the unit that a document states goes before the usual one", "[app][re
   REQUIRE(run_rosin(folder, "run " + examples + "bowed-string.toml --out out --no-pictures").status == 0);
   REQUIRE(run_rosin(folder, "report out").status == 0);
   const auto rows = section(content(folder.path / "out/report.html"), "run");
+  CHECK(count(rows, "<audio controls") == 1);
   const auto row = rows.substr(rows.find("<tr><th scope=\"row\">period"), 120);
   CHECK_THAT(row, Contains("</td><td>period at the end over that of the open string") && !Contains(" s</td>"));
 }

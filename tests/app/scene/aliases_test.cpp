@@ -69,6 +69,14 @@ TEST_CASE("names of rsfmodel, xlook and Abaqus are read as rosin's own, and a no
   CHECK(scene.places.at("law.L").ends_with("scene.toml:4:7"));  // where D_c stands
 }
 
+TEST_CASE("Greek letters are read by their names", "[aliases]") {
+  const Folder folder;
+  const auto scene = read(folder, "[law]\ntype = 'ageing'\n'μ₀' = 0.7\n\"λ\" = 2\n" + slider, "stability");
+  CHECK(scene.model.get("law.mu0") == 0.7);
+  CHECK(scene.model.get("law.lambda") == 2);
+  CHECK(noted(scene, "law.μ₀ is read as law.mu0"));
+}
+
 TEST_CASE("an override by another name replaces what the scene has, and paths may be such names", "[aliases]") {
   const Folder folder;
   const std::string own = "[law]\ntype = 'ageing'\nL = 1e-5\n" + slider;
