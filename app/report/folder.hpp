@@ -20,8 +20,9 @@ struct Result {
 
 struct Folder {
   std::filesystem::path path;
-  std::vector<Result> results;                  ///< in the order of the help
-  std::map<std::string, std::string> left_out;  ///< names of links and of files that are not what they seem, and why
+  std::vector<Result> results = {};  ///< in the order of the help
+  /// Names of links and of files that are not what they seem, and why.
+  std::map<std::string, std::string> left_out = {};
 };
 
 /// \throws InputError where there are no results, where a document is damaged, and where another version wrote it.
