@@ -9,6 +9,7 @@
 
 #include "analysis/cycles/cycle.hpp"
 #include "analysis/cycles/lyapunov.hpp"
+#include "core/uncertain.hpp"
 
 namespace rosin::analysis::planes {
 
@@ -42,6 +43,9 @@ struct MapOptions {
   cycles::LyapunovOptions lyapunov;  ///< of that metric of structures
   bool exact = false;  ///< compute every point; otherwise large planes are interpolated between computed points
   Share share;
+  std::vector<Uncertain> uncertain = {};  ///< inputs that "probability_unstable" draws
+  int samples = 200;                      ///< draws of them, the same ones at each point
+  std::uint64_t seed = 1;
 };
 
 /// Where the numbers of a point come from.

@@ -22,13 +22,14 @@ namespace rosin::analysis::planes {
 namespace {
 
 /// Of steady sliding, which take no integration.
-constexpr const char *growth_rate = "growth_rate", *unstable_modes = "unstable_modes", *criticality = "criticality";
+constexpr const char *growth_rate = "growth_rate", *unstable_modes = "unstable_modes", *criticality = "criticality",
+                     *probability_unstable = "probability_unstable";
 constexpr const char *largest_multiplier = "largest_multiplier", *returns = "returns", *lyapunov = "lyapunov";
 
 }  // namespace
 
 bool is_of_sliding(std::string_view name) {
-  return name == growth_rate || name == unstable_modes || name == criticality;
+  return name == growth_rate || name == unstable_modes || name == criticality || name == probability_unstable;
 }
 
 namespace {
@@ -81,6 +82,7 @@ std::vector<PlaneMetric> metrics_of_structure(const oscillators::Structure& stru
   known[growth_rate] = {NAN, NAN, "1/s", "largest growth rate of steady sliding"};
   known[unstable_modes] = {NAN, NAN, "1", "unstable modes of steady sliding"};
   known[criticality] = {NAN, NAN, "1", "criticality of the nearest Hopf point"};
+  known[probability_unstable] = {NAN, NAN, "1", "share of draws in which steady sliding is unstable"};
   known[largest_multiplier] = {NAN, NAN, "1", "modulus of the largest multiplier of the cycle"};
   return metrics_among(std::move(known), names);
 }
@@ -92,7 +94,7 @@ std::vector<PlaneMetric> metrics_of_stepped(const motion::SteppedOscillator& osc
 
 MapPoint compute_structure_point(const motion::StructureModel& model, double tolerance,
                                  const std::vector<PlaneMetric>& metrics, const cycles::LyapunovOptions& exponents,
-                                 double stick_threshold, std::vector<double>* end) {
+                                 double stick_threshold, std::vector<double>* end, const Draws& draws) {
   MapPoint point = blank_point(metrics);
   const auto set = setter_of(point, metrics);
   const bool driven = common_period(model.structure) > 0;
@@ -109,6 +111,15 @@ MapPoint compute_structure_point(const motion::StructureModel& model, double tol
     if (is_asked(metrics, criticality) && leading != sliding.modes.end())
       if (const auto form = steady::normal_form(model.structure, leading->eigenvalue))
         set(criticality, form->value, form->error);
+    if (is_asked(metrics, probability_unstable) && draws.count > 0) {
+      int unstable = 0;
+      for (int draw = 0; draw < draws.count; ++draw) {
+        end_if_stopped();
+        unstable += steady::stability(draws.structure(draw)).unstable_modes() > 0;
+      }
+      const double share = double(unstable) / draws.count;
+      set(probability_unstable, share, error_of_share(share, draws.count));
+    }
   }
   point.done = true;
   if (std::ranges::all_of(metrics, [](const auto& metric) { return is_of_sliding(metric.name); })) {
@@ -241,7 +252,7 @@ Map compute_points(const MapOptions& options, const std::vector<PlaneMetric>& me
 }  // namespace
 
 Map compute_structure_map(const StructureFamily& family, const MapOptions& options,
-                          const std::vector<PlaneMetric>& metrics, const MapHooks& hooks) {
+                          const std::vector<PlaneMetric>& metrics, const MapHooks& hooks, const DrawnFamily& drawn) {
   const std::size_t width = options.x.values.size();
   const auto model_at = [&](std::size_t i) { return family(options.x.values[i % width], options.y.values[i / width]); };
   const bool only_exponents = std::ranges::all_of(
@@ -277,7 +288,7 @@ Map compute_structure_map(const StructureFamily& family, const MapOptions& optio
       options, metrics, hooks, partition_of(options, true, in_lanes),
       [&](double x, double y) {
         return compute_structure_point(family(x, y), options.tolerance, metrics, options.lyapunov,
-                                       options.stick_threshold);
+                                       options.stick_threshold, nullptr, drawn ? drawn(x, y) : Draws{});
       },
       ahead);
 }

@@ -6,6 +6,7 @@
 
 #include "analysis/cycles/period_record.hpp"
 #include "analysis/planes/structure_map.hpp"
+#include "core/random.hpp"
 
 namespace rosin::analysis::planes {
 
@@ -41,9 +42,23 @@ std::vector<PlaneMetric> Varied::metrics(const std::vector<std::string>& names) 
 
 Map Varied::map(const MapOptions& options, const MapHooks& hooks) const {
   const auto at = [&](double x, double y) { return numbers({{options.x.parameter, x}, {options.y.parameter, y}}); };
-  if (const auto* structures = std::get_if<Structures>(&of_))
+  if (const auto* structures = std::get_if<Structures>(&of_)) {
+    const auto& inputs = options.uncertain;
+    const auto normal = white_noise(inputs.size() * std::size_t(options.samples), options.seed);
+    const auto drawn = [&](double x, double y) {
+      const auto here = with(options.x.parameter, x).with(options.y.parameter, y);
+      return Draws{options.samples, [&, here](int draw) {
+                     auto changed = here;
+                     for (std::size_t i = 0; i < inputs.size(); ++i)
+                       changed = changed.with(inputs[i].parameter,
+                                              inputs[i].drawn(here.get(inputs[i].parameter),
+                                                              normal[std::size_t(draw) * inputs.size() + i]));
+                     return structures->with(changed.numbers()).structure;
+                   }};
+    };
     return compute_structure_map([&](double x, double y) { return structures->with(at(x, y)); }, options,
-                                 metrics(options.metrics), hooks);
+                                 metrics(options.metrics), hooks, inputs.empty() ? DrawnFamily() : drawn);
+  }
   if (const auto* stepped = std::get_if<SteppedOscillators>(&of_))
     return compute_stepped_map([&](double x, double y) { return stepped->with(at(x, y)); }, options,
                                metrics(options.metrics), hooks);

@@ -463,10 +463,10 @@ Uncertainty propagate(const SlidingStructure& sliding, const std::vector<Uncerta
   for (int s = 0; s < samples; ++s) {
     auto changed = sliding;
     for (std::size_t i = 0; i < inputs.size(); ++i) {
-      const auto& [path, relative] = inputs[i];
+      const auto& path = inputs[i].parameter;
       const double g = random[std::size_t(s) * inputs.size() + i];
       drawn[i].push_back(g);
-      changed = changed.with(path, sliding.get(path) * std::exp(std::log1p(relative) * g));
+      changed = changed.with(path, inputs[i].drawn(sliding.get(path), g));
     }
     const auto judged = judge(changed, s);
     measure.push_back(judged.measure);
@@ -474,7 +474,7 @@ Uncertainty propagate(const SlidingStructure& sliding, const std::vector<Uncerta
   }
   result.samples = samples;
   result.probability = double(result.unstable) / samples;
-  result.standard_error = std::sqrt(std::max(result.probability * (1 - result.probability), 0.25 / samples) / samples);
+  result.standard_error = error_of_share(result.probability, samples);
   const auto ranks = [](const std::vector<double>& x) {
     std::vector<std::size_t> order(x.size());
     std::iota(order.begin(), order.end(), std::size_t(0));

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "analysis/response/frf.hpp"
+#include "core/uncertain.hpp"
 #include "oscillators/structure.hpp"
 
 namespace rosin::analysis::response {
@@ -95,11 +96,6 @@ struct CriticalValue {
 std::vector<CriticalValue> critical_values(const SlidingStructure&, const std::string& parameter, double low,
                                            double high, int points = 60);
 
-/// An uncertain parameter: its path and relative standard deviation (log-normal).
-struct Uncertain {
-  std::string parameter;
-  double relative;
-};
 /// What one drawing of the inputs gives.
 struct Drawn {
   bool unstable;

@@ -38,7 +38,7 @@ struct FrfUse {
   std::string scan;               ///< path of a parameter, or empty
   double scan_from = 0, scan_to = 0;
   int scan_points = 60;
-  std::vector<analysis::response::Uncertain> uncertain;
+  std::vector<Uncertain> uncertain;
   int samples = 400;
   std::uint64_t seed = 1;
 };

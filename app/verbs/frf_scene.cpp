@@ -10,6 +10,7 @@
 #include "app/scene/matrix_file.hpp"
 #include "app/scene/scene.hpp"
 #include "app/scene/scene_table.hpp"
+#include "app/scene/uncertain.hpp"
 #include "app/tasks/bowing.hpp"
 #include "app/tasks/frf.hpp"
 #include "core/fourier.hpp"
@@ -229,22 +230,8 @@ tasks::FrfUse read_use(scene::Table table, const scene::Scene& scene, const toml
     if (!(use.scan_from > 0) || !(use.scan_from < use.scan_to))
       scene::fail(scan->source(), "frf.structure.scan: 0 < from < to is needed");
   }
-  if (const auto* uncertain = table.find("uncertain")) {
-    if (!uncertain->is_table())
-      scene::wrong_kind(*uncertain, "frf.structure.uncertain", "a table such as { \"law.a\" = 0.1 }");
-    for (const auto& [key, value] : *uncertain->as_table()) {
-      const std::string path(key.str());
-      scene::located(value.source(), [&] { use.sliding.describe(path); });
-      use.uncertain.push_back({path, scene::number(value, {path, "1", {1e-9, 2}, "relative standard deviation"})});
-    }
-  }
-  for (const char* key : {"samples", "seed"})
-    if (const auto* given = use.uncertain.empty() ? table.find(key) : nullptr)
-      scene::fail(given->source(), "{} has no effect without frf.structure.uncertain", table.path(key));
-  table.read("samples", use.samples, 20, 1'000'000, "of uncertain inputs");
-  int seed = 1;
-  table.read("seed", seed, 0, scene::largest_seed, "of the random numbers");
-  use.seed = std::uint64_t(seed);
+  use.uncertain = scene::read_uncertain(
+      table, [&](const std::string& path) { use.sliding.describe(path); }, use.samples, use.seed);
   table.finish();
   return use;
 }

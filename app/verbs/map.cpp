@@ -18,6 +18,7 @@
 #include "app/scene/stepped.hpp"
 #include "app/scene/string.hpp"
 #include "app/scene/structure.hpp"
+#include "app/scene/uncertain.hpp"
 #include "app/tasks/bowing.hpp"
 #include "app/tasks/sweep.hpp"
 #include "app/verbs/job.hpp"
@@ -116,7 +117,7 @@ void read_map_table(scene::Table table, scene::SceneReader& reader) {
   if (!reader.needs("map") && !is_of_slider(reader, table))
     return;  // its paths and metrics are known to the verb map alone
   auto& map = scene.task<analysis::planes::MapOptions>();
-  table.expect({"x", "y", "metrics", "stick_threshold"});
+  table.expect({"x", "y", "metrics", "stick_threshold", "uncertain", "samples", "seed"});
   const auto& x = table.required("x", "first axis");
   map.x = read_axis(scene::Table(x, table.path("x")), scene);
   const auto* y = table.find("y");
@@ -152,6 +153,15 @@ void read_map_table(scene::Table table, scene::SceneReader& reader) {
         scene::fail(metrics->source(), "map.metrics names '{}' twice", *name);
     if (map.metrics.empty()) scene::fail(metrics->source(), "map.metrics is empty");
   }
+  map.uncertain = scene::read_uncertain(
+      table, [&](const std::string& path) { scene.describe(path); }, map.samples, map.seed);
+  const bool draws = std::ranges::find(map.metrics, "probability_unstable") != map.metrics.end();
+  if (const auto* uncertain = draws ? nullptr : table.find("uncertain"))
+    scene::fail(uncertain->source(), "map.uncertain has no effect without the metric probability_unstable");
+  if (draws && map.uncertain.empty())
+    scene::fail(table.source(),
+                "the metric probability_unstable needs map.uncertain, relative standard deviations by path, such as "
+                "{{ \"law.mu_d\" = 0.1 }}");
   map.stick_threshold = scene.task<analysis::cycles::CycleOptions>().stick_threshold;
   table.read("stick_threshold", map.stick_threshold, {"", "1", {1e-6, 0.999}, "stick is |v| <= threshold times V"});
   const bool hangs_on_it = std::ranges::find(map.metrics, "slow_fraction") != map.metrics.end();

@@ -177,7 +177,8 @@ Status PlaneJob::write(const MapResult& result, const std::map<std::size_t, doub
     const auto& wanted = metric.name;
     const bool fraction = wanted.find("fraction") != std::string::npos;
     // Of a number of either sign, which is 0 somewhere, errors count beside the largest in the plane.
-    const bool of_either_sign = wanted == "growth_rate" || wanted == "criticality" || wanted == "lyapunov";
+    const bool of_either_sign =
+        wanted == "growth_rate" || wanted == "criticality" || wanted == "lyapunov" || wanted == "probability_unstable";
     double largest = fraction ? 1 : 0;
     for (const auto& point : map.points)
       if (const double value = metric.value(point); of_either_sign && std::isfinite(value))
