@@ -27,6 +27,14 @@ Structure with_servo(Structure structure, const Servo& servo) {
     force = servo.reference.scaled(servo.proportional, force.level());
   else
     throw InputError("the servo's reference and the force on its coordinate both vary; one of them is to be constant");
+  if (servo.limit < infinity)
+    structure.limited.push_back({.coordinate = servo.coordinate,
+                                 .stiffness = servo.proportional,
+                                 .damping = servo.derivative,
+                                 .command = servo.reference.scaled(servo.proportional, 0),
+                                 .integral = servo.integral > 0 ? int(n) : -1,
+                                 .limit = servo.limit,
+                                 .tracking = 1 / servo.anti_windup});
   if (servo.integral == 0) return structure;
 
   for (auto* matrix : {&structure.M, &structure.C, &structure.K}) extend(*matrix, n + 1, n + 1);

@@ -4,11 +4,15 @@
 
 namespace rosin::oscillators {
 
-/// u = kp (r − x) + ki ∫(r − x) dt − kd ẋ on coordinate x (N), without delay or limit.
+/// u = kp (r − x) + ki ∫(r − x) dt − kd ẋ on coordinate x (N), without delay, and no more than its limit. Where u is
+/// beyond the limit the integral goes on, or, with an anti-windup time T, follows what the limit leaves of u: f being
+/// the integral's part, ḟ = ki (r − x) − (u − limited u)/T (back-calculation, Åström & Hägglund 1995, section 3.5).
 struct Servo {
   int coordinate = 0;
   double proportional = 0, integral = 0, derivative = 0;  ///< N/m, N/(m s), N s/m
   Signal reference = 0.0;                                 ///< m
+  double limit = infinity;                                ///< N
+  double anti_windup = infinity;                          ///< s; infinity: the integral goes on
 };
 
 /// The structure with the servo. Where it integrates, the force f = ki ∫(r − x) dt is one more coordinate, without

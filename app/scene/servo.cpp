@@ -21,7 +21,7 @@ void read_servo(SceneReader& reader, const toml::node& node) {
   auto& structure = scene.structure->structure;
 
   Table table(node, "oscillator.servo");
-  table.expect({"coordinate", "kp", "ki", "kd", "reference"});
+  table.expect({"coordinate", "kp", "ki", "kd", "reference", "limit", "anti_windup"});
   int number = 1;
   if (structure.size() > 1) table.required("coordinate", "number of the coordinate, from 1");
   table.read("coordinate", number, 1, structure.size(), "number of the coordinate, from 1");
@@ -33,6 +33,13 @@ void read_servo(SceneReader& reader, const toml::node& node) {
   if (const auto* reference = table.find("reference"))
     servo.reference = read_signal(
         *reference, {table.path("reference"), "m", {-1e15, 1e15}, "position that the servo holds"}, reader.folder);
+  table.read("limit", servo.limit, {"", "N", {1e-300, infinity}, "largest force of the servo"});
+  if (const auto* time = table.find("anti_windup")) {
+    table.read("anti_windup", servo.anti_windup,
+               {"", "s", {1e-12, infinity}, "time in which the integral follows a force at its limit"});
+    if (!(servo.limit < infinity && servo.integral > 0))
+      fail(time->source(), "oscillator.servo.anti_windup has no effect without a limit (N) and an integral gain ki");
+  }
   table.finish();
   if (!(servo.proportional > 0 || servo.integral > 0 || servo.derivative > 0))
     fail(node.source(), "oscillator.servo has no effect without a gain: give kp (N/m), ki (N/(m s)) or kd (N s/m)");
