@@ -386,7 +386,7 @@ std::optional<analysis::branches::SmallCycles> small_cycles_at(const oscillators
   return analysis::branches::small_cycles(model, path, crossing);
 }
 
-/// The branch of `found` that the first cycle of `more` at a value lies on, by all its metrics.
+/// The branch of `found` that the first cycle of `more` at a value lies on, by its period and its largest values.
 std::optional<std::size_t> same_motion(const Branches& found, const Branches& more, double value) {
   if (more.cycles.empty() || more.cycles.front().branch.points.empty()) return std::nullopt;
   const auto& wanted = more.cycles.front().branch.points.front();
@@ -394,10 +394,10 @@ std::optional<std::size_t> same_motion(const Branches& found, const Branches& mo
     constexpr double same = 1e-6;
     return std::abs(point.p - value) <= same * std::abs(value) &&
            std::ranges::all_of(point.view.metrics, [&](const auto& metric) {
-             const auto other = wanted.view.metrics.find(metric.first);
-             return other != wanted.view.metrics.end() &&
-                    std::abs(metric.second - other->second) <=
-                        same * (std::abs(metric.second) + std::abs(other->second));
+             const auto& [name, number] = metric;
+             if (name != "period" && !name.ends_with("_max")) return true;
+             const auto other = wanted.view.metrics.find(name);
+             return other != wanted.view.metrics.end() && std::abs(number - other->second) <= same * std::abs(number);
            });
   };
   for (std::size_t b = 0; b < found.cycles.size(); ++b)
