@@ -204,3 +204,32 @@ TEST_CASE("steady sliding beyond the limit of a servo is refused with the force 
   CHECK_NOTHROW(held(4.1).steady(0));
   CHECK_THROWS_WITH(held(3.9).steady(0), Contains("-4 N of the servo, whose limit is 3.9 N"));
 }
+
+TEST_CASE("feedforward makes up for the lag of a derivative on a ramp, but for that of friction", "[servo]") {
+  // At a steady speed w kp (r − x) = (kd − c) w + friction.
+  const Servo servo{.coordinate = 0,
+                    .proportional = 50,
+                    .integral = 0,
+                    .derivative = 10,
+                    .feedforward = 7,
+                    .reference = Signal(Signal::Ramp{0, 0.5})};
+  const auto run = run_from_rest(with_servo(one_slider(carriage(0.4, 0.3)), servo), {0.0, 9.0, 10.0});
+  REQUIRE(run.outcome.complete());
+  CHECK(column(run, "displacement").back() == Approx(0.5 * 10 - ((10 - 7) * 0.5 + 0.3) / 50).epsilon(1e-9));
+}
+
+TEST_CASE("feedforward of harmonics has the gain and phase of its transfer function", "[servo]") {
+  // x/r = (kp + iωc)/(kp − mω² + iω kd) without friction.
+  const Signal swings(Signal::Harmonics{0, {{0.1, 4, 0.3}}});
+  const Servo servo{
+      .coordinate = 0, .proportional = 30, .integral = 0, .derivative = 3, .feedforward = 5, .reference = swings};
+  const auto cycle = find_cycle(moving_from_rest(with_servo(one_slider(carriage(0, 0)), servo)), {.tolerance = 1e-9});
+  REQUIRE(cycle.outcome.complete());
+  const double wanted = 0.1 * std::hypot(30, 4 * 5) / std::hypot(30 - 16, 4 * 3);
+  const auto& most = cycle.metrics.at("displacement_max");
+  CHECK(std::abs(most.value - wanted) < most.error + 1e-9);
+  const Signal jumps(Signal::Steps{{{0, 0}, {1, 1}}});
+  auto stepped = servo;
+  stepped.reference = jumps;
+  CHECK_THROWS_WITH(with_servo(one_slider(carriage(0, 0)), stepped), Contains("a ramp or harmonics"));
+}
