@@ -12,7 +12,7 @@
 namespace rosin::laws {
 
 ExpressionError::ExpressionError(std::string path, std::size_t at, const std::string& problem)
-    : InputError(fmt::format("law.formula.{}: {}", path, problem)), expression(std::move(path)), offset(at) {}
+    : InputError(fmt::format("{}: {}", path, problem)), expression(std::move(path)), offset(at) {}
 
 namespace {
 
@@ -52,7 +52,7 @@ class Parser {
 
   Measured whole() {
     if (text_.size() > longest_expression)
-      fail(longest_expression, "has {} characters, more than {}; name parts of it in law.formula.define", text_.size(),
+      fail(longest_expression, "has {} characters, more than {}; write parts of it by names of their own", text_.size(),
            longest_expression);
     if (peek() == 0) fail(0, "is empty");
     const Part value = sum();
@@ -96,7 +96,8 @@ class Parser {
   }
   std::string_view word_at(std::size_t begin) const {
     std::size_t end = begin;
-    while (end < text_.size() && (is_letter(text_[end]) || is_digit(text_[end]))) ++end;
+    const auto belongs = [&](char c) { return is_letter(c) || is_digit(c) || (c == '.' && names_.paths()); };
+    while (end < text_.size() && belongs(text_[end])) ++end;
     return text_.substr(begin, end - begin);
   }
   /// A part of the text as it is shown in a message.
@@ -110,7 +111,7 @@ class Parser {
   struct Nested {
     explicit Nested(Parser& parser) : depth(parser.depth_) {
       if (++depth > deepest_expression)
-        parser.fail(parser.at_, "is nested more than {} deep; name parts of it in law.formula.define",
+        parser.fail(parser.at_, "is nested more than {} deep; write parts of it by names of their own",
                     deepest_expression);
     }
     ~Nested() { --depth; }

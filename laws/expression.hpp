@@ -6,6 +6,8 @@
 ///   power    = primary ["^" unary]
 ///   primary  = number [unit] | name | name "(" sum ("," sum)… ")" | "(" sum ")"
 ///   unit     = name ["^" integer] (("/")? name ["^" integer])…
+///
+/// A name is a letter, then letters, digits and _; of those that are paths, such as law.a, dots too.
 #pragma once
 #include <optional>
 #include <string>
@@ -22,7 +24,7 @@ namespace rosin::laws {
 class ExpressionError : public InputError {
  public:
   ExpressionError(std::string expression, std::size_t offset, const std::string& problem);
-  std::string expression;  ///< its path: "friction", "rate.psi", "define.E"
+  std::string expression;  ///< its path in a scene: "law.formula.rate.psi"
   std::size_t offset;      ///< of the offending token in its text, in bytes; `whole` if all of it is meant
   static constexpr auto whole = static_cast<std::size_t>(-1);
 };
@@ -41,6 +43,8 @@ class Names {
   virtual std::optional<Measured> find(std::string_view name, int depth) = 0;
   /// All names, for suggestions and against mistaking them for units.
   virtual const std::vector<std::string>& known() const = 0;
+  /// True where names are paths: dots belong to them.
+  virtual bool paths() const { return false; }
 };
 
 inline constexpr std::size_t longest_expression = 4000;  ///< bytes

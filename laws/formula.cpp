@@ -28,7 +28,7 @@ enum Input { slip_rate, normal_load, load_rate, direction, compliance, friction,
 constexpr int most_inputs = first_state + most_states;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& problem) {
-  throw ExpressionError(path, ExpressionError::whole, problem);
+  throw ExpressionError("law.formula." + path, ExpressionError::whole, problem);
 }
 
 // ---------------------------------------------------------------- names and expressions
@@ -88,7 +88,7 @@ class Words final : public Names {
       refuse(path, fmt::format("'{}' is defined by itself: {} → {}", name, fmt::join(open_, " → "), name));
     open_.push_back(name);
     const auto text = std::ranges::find(law_.define, name, &std::pair<std::string, std::string>::first)->second;
-    const auto value = parse_expression(graph_, *this, path, text, depth);
+    const auto value = parse_expression(graph_, *this, "law.formula." + path, text, depth);
     open_.pop_back();
     return value;
   }
@@ -251,7 +251,7 @@ class Reader {
     bool load = true, slip_rate = false, states = false;
   };
   int node(const std::string& path, const std::string& text, const Dimension& unit, Knows knows) {
-    const auto value = parse_expression(graph_, words_, path, text);
+    const auto value = parse_expression(graph_, words_, "law.formula." + path, text);
     if (value.dimension != unit)
       refuse(path, fmt::format("must be {}, but is {}", in_words(unit), in_words(value.dimension)));
     if (!knows.slip_rate && graph_.uses_input(value.node, Input::slip_rate))

@@ -1,6 +1,8 @@
 /// A servo as stiffness, damping and force, and one coordinate for what it integrates.
 #include "oscillators/servo.hpp"
 
+#include <numbers>
+
 namespace rosin::oscillators {
 
 namespace {
@@ -13,6 +15,24 @@ void extend(Eigen::MatrixXd& of, Eigen::Index rows, Eigen::Index columns) {
   of.conservativeResizeLike(Eigen::MatrixXd::Zero(rows, columns));
 }
 
+/// kp r + feedforward·ṙ (N).
+Signal command_of(const Servo& servo) {
+  const auto& r = servo.reference;
+  if (servo.feedforward == 0 || r.constant()) return r.scaled(servo.proportional, 0);
+  const auto [value, rate, terms] = r.piece(0);
+  if (r.next_break(0) < infinity || (rate != 0 && !terms.empty()) || (rate == 0 && terms.empty()))
+    throw InputError(
+        "the servo's feedforward needs a reference that has a velocity at every time: a ramp or harmonics");
+  if (terms.empty())
+    return Signal(Signal::Ramp{servo.proportional * value + servo.feedforward * rate, servo.proportional * rate});
+  Signal::Harmonics command{servo.proportional * value, {}};
+  for (const auto& [amplitude, w, phase] : terms) {
+    command.terms.push_back({servo.proportional * amplitude, w, phase});
+    command.terms.push_back({servo.feedforward * amplitude * w, w, phase + std::numbers::pi / 2});
+  }
+  return Signal(std::move(command));
+}
+
 }  // namespace
 
 Structure with_servo(Structure structure, const Servo& servo) {
@@ -21,12 +41,21 @@ Structure with_servo(Structure structure, const Servo& servo) {
   structure.C(x, x) += servo.derivative;
   structure.force.resize(std::size_t(n), 0.0);
   Signal& force = structure.force[std::size_t(x)];
-  if (servo.reference.constant())
-    force = force.scaled(1, servo.proportional * servo.reference.level());
+  const Signal command = command_of(servo);
+  if (command.constant())
+    force = force.scaled(1, command.level());
   else if (force.constant())
-    force = servo.reference.scaled(servo.proportional, force.level());
+    force = command.scaled(1, force.level());
   else
     throw InputError("the servo's reference and the force on its coordinate both vary; one of them is to be constant");
+  if (servo.limit < infinity)
+    structure.limited.push_back({.coordinate = servo.coordinate,
+                                 .stiffness = servo.proportional,
+                                 .damping = servo.derivative,
+                                 .command = command,
+                                 .integral = servo.integral > 0 ? int(n) : -1,
+                                 .limit = servo.limit,
+                                 .tracking = 1 / servo.anti_windup});
   if (servo.integral == 0) return structure;
 
   for (auto* matrix : {&structure.M, &structure.C, &structure.K}) extend(*matrix, n + 1, n + 1);

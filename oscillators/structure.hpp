@@ -56,6 +56,18 @@ struct Stop {
   bool rigid() const { return stiffness == 0; }
 };
 
+/// A force u = command − stiffness·x − damping·ẋ + the integral on coordinate x whose source gives no more than a
+/// limit, as a motor does. Matrices and forces of the structure hold u; beyond the limit what is too much of it is
+/// taken off.
+struct LimitedForce {
+  int coordinate = 0;                 ///< from 0
+  double stiffness = 0, damping = 0;  ///< N/m, N s/m
+  Signal command = 0.0;               ///< N
+  int integral = -1;                  ///< coordinate without mass (N) that is a part of u; −1: none
+  double limit = 1;                   ///< N
+  double tracking = 0;                ///< 1/s: the integral loses this times what is too much; 0: it goes on
+};
+
 /// A number that is seen of the coordinates: row·q.
 struct Functional {
   std::string name, unit;
@@ -70,6 +82,7 @@ struct Structure {
   std::vector<std::string> units;  ///< of the coordinates; empty: m
   std::vector<FrictionContact> contacts;
   std::vector<Stop> stops;
+  std::vector<LimitedForce> limited;
   std::vector<Functional> functionals;  ///< that stand for the coordinates where these are many
 
   int size() const { return int(M.rows()); }

@@ -28,6 +28,12 @@ void StructureSystem::find_pattern() {
   }
   for (const Stop& stop : structure_.stops)
     rows[n_ + stop.coordinate].push_back(stop.coordinate), rows[n_ + stop.coordinate].push_back(n_ + stop.coordinate);
+  for (const LimitedForce& of : structure_.limited) {
+    std::vector<int> columns = {of.coordinate, n_ + of.coordinate};
+    if (of.integral >= 0) columns.push_back(of.integral);
+    for (const int row : {of.coordinate, of.integral})
+      if (row >= 0) rows[n_ + row].insert(rows[n_ + row].end(), columns.begin(), columns.end());
+  }
   for (int j = 0; j < friction_contacts(); ++j) {
     const At& at = at_[j];
     std::vector<int> own, by_motion;  // rows of the contact's unknowns, and columns that its slip rate and load are of
@@ -63,6 +69,16 @@ void StructureSystem::linearise_entries(double t, const double* y, double* f, do
     if (stop_mode_[s] != StopMode::pushes) continue;
     const auto& [i, at, side, restitution, k, c] = structure_.stops[s];
     entry(n_ + i, i) -= k, entry(n_ + i, n_ + i) -= c * along_[i];
+  }
+  for (const LimitedForce& of : structure_.limited) {
+    if (cut_off(of, t, y) == 0) continue;
+    const int x = of.coordinate;
+    const auto add = [&](int row, double part) {
+      entry(n_ + row, x) += part * of.stiffness, entry(n_ + row, n_ + x) += part * of.damping * along_[x];
+      if (of.integral >= 0) entry(n_ + row, of.integral) -= part;
+    };
+    add(x, 1);
+    if (of.integral >= 0) add(of.integral, of.tracking);
   }
   // Contacts under regions come last: their friction answers to all other forces on their coordinate.
   const auto of_regions = regions(t, y);

@@ -341,9 +341,37 @@ double StructureSystem::normal_power(double t, const double* y) const {
   return power;
 }
 
-/// Where a contact lifts off its load has a kink, friction has those of its law, and the rates of states one in |v|.
+double StructureSystem::unlimited(const LimitedForce& of, double t, const double* y) const {
+  const int x = of.coordinate;
+  const double v = is_diagonal_ ? velocity_of(x, t, y) : velocity(t, y)[x];
+  const double u = of.command.value(t) - of.stiffness * y[x] - of.damping * v;
+  return of.integral >= 0 ? u + y[of.integral] : u;
+}
+
+double StructureSystem::cut_off(const LimitedForce& of, double t, const double* y) const {
+  const double u = unlimited(of, t, y);
+  return std::clamp(u, -of.limit, of.limit) - u;
+}
+
+double StructureSystem::limit_power(double t, const double* y) const {
+  if (structure_.limited.empty()) return 0;
+  const VectorXd v = velocity(t, y);
+  double power = 0;
+  for (const LimitedForce& of : structure_.limited) {
+    const double cut = cut_off(of, t, y);
+    power += cut * (v[of.coordinate] + (of.integral >= 0 ? of.tracking * v[of.integral] : 0));
+  }
+  return power;
+}
+
+/// Where a contact lifts off its load has a kink, a force at its limit, friction has those of its law, and the rates of
+/// states one in |v|.
 void StructureSystem::kinks(double t, const double* y, std::vector<double>& values) const {
   values.clear();
+  for (const LimitedForce& of : structure_.limited) {
+    const double u = unlimited(of, t, y);
+    values.push_back(u / of.limit - 1), values.push_back(u / of.limit + 1);
+  }
   for (const auto& [j, force, holds, slip] : regions(t, y)) {  // where the force comes to the limit within the width
     const double limit = std::abs(slip), width = at_[j].region;
     values.push_back(std::max((std::abs(holds) - limit) / (std::abs(holds) + limit),
@@ -451,6 +479,11 @@ Eigen::VectorXd StructureSystem::forces_of_others(double t, const double* y, dou
   for (int s = 0; s < stops(); ++s)
     if (stop_mode_[s] == StopMode::pushes)
       R[structure_.stops[s].coordinate] -= structure_.stops[s].side * stop_push(s, t, y);
+  for (const LimitedForce& of : structure_.limited) {
+    const double cut = cut_off(of, t, y);
+    R[of.coordinate] += cut;
+    if (of.integral >= 0) R[of.integral] += of.tracking * cut;
+  }
   for (int j = 0; j < friction_contacts(); ++j) {
     auto [N, rate] = load(j, t);
     if (follows_motion(j)) {
@@ -544,6 +577,16 @@ void StructureSystem::linearise(double t, const double* y, double* f, double* ja
     const auto& [i, at, side, restitution, k, c] = structure_.stops[s];
     R_q(i, i) -= k;
     R_w.row(i) -= c * velocity_of_speed_.row(i);
+  }
+  for (const LimitedForce& of : structure_.limited) {
+    if (cut_off(of, t, y) == 0) continue;
+    const auto add = [&](int row, double part) {
+      R_q(row, of.coordinate) += part * of.stiffness;
+      R_w.row(row) += part * of.damping * velocity_of_speed_.row(of.coordinate);
+      if (of.integral >= 0) R_q(row, of.integral) -= part;
+    };
+    add(of.coordinate, 1);
+    if (of.integral >= 0) add(of.integral, of.tracking);
   }
   for (int j = 0; j < friction_contacts(); ++j) {
     const At& at = at_[j];
@@ -712,6 +755,7 @@ std::string StructureSystem::unknown(int i) const {
 double StructureSystem::next_break(double t) const {
   double next = infinity;
   for (const Signal& f : structure_.force) next = std::min(next, f.next_break(t));
+  for (const LimitedForce& of : structure_.limited) next = std::min(next, of.command.next_break(t));
   for (const auto& c : structure_.contacts) next = std::min({next, c.speed.next_break(t), c.normal_load.next_break(t)});
   return next;
 }
@@ -919,6 +963,10 @@ std::vector<double> StructureSystem::steady(double t) const {
       start[at.first + at.contact->unknowns() - 1] = F * compliance;
     }
   }
+  for (const LimitedForce& of : structure_.limited)
+    if (const double u = unlimited(of, t, start.data()); std::abs(u) > of.limit)
+      throw NoSteadySliding(fmt::format(
+          "steady sliding would need a force of {:.6g} N of the servo, whose limit is {:.6g} N", u, of.limit));
   return start;
 }
 

@@ -91,6 +91,11 @@ class StructureSystem final : public SwitchingSystem {
   /// Power of stops that push (W).
   double stop_power(double t, const double* y) const;
 
+  /// A limited force as it would be without its limit (N).
+  double unlimited(const LimitedForce&, double t, const double* y) const;
+  /// Power of what limits take off their forces (W).
+  double limit_power(double t, const double* y) const;
+
   const Structure& structure() const { return structure_; }
   int coordinates() const { return n_; }
   int friction_contacts() const { return int(at_.size()); }
@@ -185,6 +190,8 @@ class StructureSystem final : public SwitchingSystem {
   double approach_rate(const Station&, double t, const double* y) const;  ///< nᵀ q̇
   double mobility(int contact) const;                                     ///< tᵀ M⁻¹ t
   double stiffness_along(int contact) const;                              ///< tᵀ K t
+  /// What the limit adds to the force: 0 within it (N).
+  double cut_off(const LimitedForce&, double t, const double* y) const;
   void find_pattern();
   bool stop_holds(int stop, double t) const;
   struct Balance {

@@ -446,11 +446,12 @@ void complete_by(const Divergence& divergence, double accuracy, std::vector<Comp
 /// ∏ g/(1 + size), which changes its sign with each g, and its error.
 struct TestOfMultipliers {
   Complex value = 1;
-  double relative = 0;
-  void multiply(Complex g, double size, double error) { value *= g / (1 + size), relative += error / std::abs(g); }
-  Problem::Test told(const char* kind) const {
-    return {kind, value.real(), value.real() != 0 ? std::abs(value.real()) * relative : infinity};
+  double error = 0;
+  void multiply(Complex g, double size, double error_of_g) {
+    error = (error * std::abs(g) + std::abs(value) * error_of_g) / (1 + size);
+    value *= g / (1 + size);
   }
+  Problem::Test told(const char* kind) const { return {kind, value.real(), error}; }
 };
 
 std::vector<Problem::Test> tests_of(const std::vector<Complex>& z, const std::vector<double>& error) {

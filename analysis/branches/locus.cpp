@@ -18,6 +18,8 @@ using Eigen::MatrixXd, Eigen::VectorXd;
 
 namespace {
 
+constexpr const char* bautin = "bautin";
+
 /// Re λ(p, q)/ω = 0 of the mode whose frequency is nearest to that of the point before. The unknown is q, as its scale
 /// has it.
 class HopfProblem final : public Problem {
@@ -53,6 +55,7 @@ class HopfProblem final : public Problem {
         view.outcome = {Ending::none_exists, "the frequency goes to 0"};
       view.metrics["angular_frequency"] = std::abs(here.value.imag());
       view.metrics["growth_error"] = here.error;
+      add_normal_form(p, options_.q.value(x[0]), view);
     } catch (const InputError& error) {
       view.outcome = {Ending::none_exists, error.what()};
     }
@@ -72,6 +75,16 @@ class HopfProblem final : public Problem {
   int in_common() const override { return 1; }
 
  private:
+  void add_normal_form(double p, double q, View& view) const {
+    if (!options_.normal_form) return;
+    try {
+      const auto form = options_.normal_form(p, q, view.metrics.at("angular_frequency"));
+      if (!form) return;
+      view.tests.push_back({bautin, form->value, form->error});
+      view.metrics["first_lyapunov_coefficient"] = form->value;
+    } catch (const InputError&) {  // the curve goes on without it
+    }
+  }
   struct Mode {
     std::complex<double> value;
     double error;
@@ -114,11 +127,25 @@ LocusPoint locus_point(HopfProblem& problem, const BranchPoint& at, const LocusO
   const double p_slope = std::abs(options.p.slope(c)), q_slope = std::abs(options.q.slope(at.x[0]));
   constexpr double rounding = 4e-16;
   const double q = options.q.value(at.x[0]);
-  return {at.p,
-          q,
-          at.error + per_slope * std::abs(by_p) * p_slope + rounding * std::abs(at.p),
-          (at.x_error + per_slope * std::abs(by_q)) * q_slope + rounding * std::abs(q),
-          {{"angular_frequency", at.view.metrics.at("angular_frequency")}}};
+  auto metrics = at.view.metrics;
+  metrics.erase("growth_error");
+  return {at.p, q, at.error + per_slope * std::abs(by_p) * p_slope + rounding * std::abs(at.p),
+          (at.x_error + per_slope * std::abs(by_q)) * q_slope + rounding * std::abs(q), std::move(metrics)};
+}
+
+/// A Bautin point with what the error of its coefficient leaves open along the curve.
+LocusEvent event_at(HopfProblem& problem, const SpecialPoint& special, const Branch& branch,
+                    const LocusOptions& options) {
+  BranchPoint there;
+  there.p = special.p, there.error = special.error, there.x = special.x, there.view = special.view;
+  LocusEvent event{special.kind, locus_point(problem, there, options)};
+  const auto &before = branch.points[special.after], &after = branch.points[special.after + 1];
+  const auto coefficient = [](const Problem::View& view) { return view.metrics.at("first_lyapunov_coefficient"); };
+  const double open = special.view.tests.front().error + std::abs(coefficient(special.view));
+  const double per_value = open / std::abs(coefficient(after.view) - coefficient(before.view));
+  event.at.p_error += per_value * std::abs(after.p - before.p);
+  event.at.q_error += per_value * std::abs(options.q.value(after.x[0]) - options.q.value(before.x[0]));
+  return event;
 }
 
 /// At a given q: the value of p on the curve near one.
@@ -128,11 +155,14 @@ std::optional<BranchPoint> at_q(Continuation& continuation, double c_q, double p
 
 /// Along the curve until q leaves its range, where a last point is put. \returns why it ends before; empty: it does not
 std::string follow_hopf(HopfProblem& problem, Continuation& continuation, const LocusOptions& options,
-                        const BranchPoint& start, double sign, std::vector<LocusPoint>& points) {
+                        const BranchPoint& start, double sign, std::vector<LocusPoint>& points,
+                        std::vector<LocusEvent>& events) {
   const auto inside = [](const BranchPoint& point) { return point.x[0] >= 0 && point.x[0] <= 1; };
   continuation.arrived = inside;
   auto branch = continuation.follow(start, Direction{VectorXd::Constant(1, sign), 0});
   if (branch.outcome.ending == Ending::interrupted) throw Stopped{};
+  for (const auto& special : branch.special)
+    if (special.x[0] >= 0 && special.x[0] <= 1) events.push_back(event_at(problem, special, branch, options));
   std::string end = branch.outcome.detail;
   if (auto outside = branch.points.back(); !inside(outside)) {
     end.clear();
@@ -217,6 +247,31 @@ class NearSpecial {
 
 constexpr double on_level = 1e-9;  // of the range of q
 
+/// Half the sum of that pair of multipliers whose product is nearest to 1: the cosine of their angle where they lie on
+/// the unit circle. NaN where there is no pair.
+struct CosineOfPair {
+  double value = NAN, error = 0;
+};
+CosineOfPair cosine_of_pair(const SpecialPoint& special) {
+  const auto& z = special.view.multipliers;
+  const auto& errors = special.view.multiplier_errors;
+  CosineOfPair cosine;
+  double least = infinity;
+  for (std::size_t i = 0; i < z.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (const double off = std::abs(z[i] * z[j] - 1.0); off < least) {
+        least = off;
+        cosine = {(z[i] + z[j]).real() / 2, (errors[i] + errors[j]) / 2};
+      }
+  return cosine;
+}
+struct Resonance {
+  const char* kind;
+  double cosine;
+};
+constexpr Resonance resonances[] = {
+    {"resonance-1:1", 1}, {"resonance-1:2", -1}, {"resonance-1:3", -0.5}, {"resonance-1:4", 0}};
+
 /// A curve of special points, followed at whole steps of that parameter along which it runs: where it turns in one, the
 /// other goes on.
 class SpecialCurve {
@@ -233,7 +288,7 @@ class SpecialCurve {
 
   LocusPoint start() const { return {start_.p, q_, start_.error, 0, start_.view.metrics}; }
   /// Towards smaller or larger q at first. \returns why it ends; empty: at the end of a range
-  std::string follow(int sign, std::vector<LocusPoint>& points) {
+  std::string follow(int sign, std::vector<LocusPoint>& points, std::vector<LocusEvent>& events) {
     SpecialPoint at = start_;
     Place place = start_place_, tangent = {0, double(sign)};
     bool knows_tangent = false, has_left = false, alike = false;
@@ -273,6 +328,7 @@ class SpecialCurve {
         if (const auto passed = near_[0].find(*found, scales_[0].value(before[0] + part * tangent[0]), q_))
           points.push_back({passed->p, q_, passed->error, 0, passed->view.metrics});
       }
+      if (start_.kind == "torus") find_resonances(at, before, *found, place, along, events);
       at = *found;
       points.push_back(point(at, place, along));
       has_left = has_left || distance(place, start_place_) > 2 * longest_;
@@ -287,6 +343,52 @@ class SpecialCurve {
   bool closed() const { return closed_; }
 
  private:
+  /// Between two points of a curve of tori: where the angle of its multipliers is one of a strong resonance.
+  void find_resonances(const SpecialPoint& a, const std::array<double, 2>& from, const SpecialPoint& b,
+                       const std::array<double, 2>& to, int along, std::vector<LocusEvent>& events) const {
+    const double at_a = cosine_of_pair(a).value, at_b = cosine_of_pair(b).value;
+    const int across = 1 - along;
+    std::vector<std::pair<double, LocusEvent>> found;  // by the part of the way
+    for (const auto& [kind, wanted] : resonances) {
+      if (!((at_a - wanted) * (at_b - wanted) < 0)) continue;
+      double low = 0, high = 1, f_low = at_a - wanted, f_high = at_b - wanted, part = 0, moved = infinity;
+      std::optional<SpecialPoint> there;
+      CosineOfPair cosine;
+      constexpr int most = 30;
+      constexpr double at_rest = 1e-12;
+      for (int k = 0, kept = 0; k < most && high - low > at_rest; ++k) {
+        const double next = (low * f_high - high * f_low) / (f_high - f_low);
+        const double guess = from[across] + next * (to[across] - from[across]);
+        const auto here = near_[across].find(next < 0.5 ? a : b, scales_[across].value(std::clamp(guess, 0.0, 1.0)),
+                                             scales_[along].value(from[along] + next * (to[along] - from[along])));
+        if (!here) break;
+        moved = std::abs(next - part);
+        part = next, there = here, cosine = cosine_of_pair(*here);
+        const double value = cosine.value - wanted;
+        if (std::abs(value) <= cosine.error || moved < at_rest) break;
+        if ((value > 0) == (f_high > 0)) {
+          high = part, f_high = value;
+          if (kept == -1) f_low *= 0.5;
+          kept = -1;
+        } else {
+          low = part, f_low = value;
+          if (kept == 1) f_high *= 0.5;
+          kept = 1;
+        }
+      }
+      if (!there) continue;
+      const double open = (std::abs(cosine.value - wanted) + cosine.error) / std::abs(at_b - at_a);
+      std::array<double, 2> place;
+      place[along] = from[along] + part * (to[along] - from[along]);
+      place[across] = scales_[across].coordinate(there->p);
+      LocusEvent event{kind, point(*there, place, along)};
+      event.at.p_error += open * std::abs(scales_[0].value(to[0]) - scales_[0].value(from[0]));
+      event.at.q_error += open * std::abs(scales_[1].value(to[1]) - scales_[1].value(from[1]));
+      found.emplace_back(part, std::move(event));
+    }
+    std::ranges::sort(found, {}, &std::pair<double, LocusEvent>::first);
+    for (auto& event : found) events.push_back(std::move(event.second));
+  }
   using Place = std::array<double, 2>;  ///< coordinates of p and q
   static double distance(const Place& a, const Place& b) { return std::hypot(a[0] - b[0], a[1] - b[1]); }
   /// Whole steps of the range, so that curves have their points at the same values.
@@ -318,18 +420,28 @@ bool passes(const Locus& curve, const SpecialPoint& special, double q, const Loc
          });
 }
 
+/// A way along a curve from where it begins to be followed.
+struct Half {
+  std::vector<LocusPoint> points;
+  std::vector<LocusEvent> events;
+  std::string end;
+};
+
 /// The curve through a point from its two halves, which both lead away from it.
-Locus joined(std::string kind, std::vector<LocusPoint> backwards, const std::vector<LocusPoint>& forwards) {
-  std::ranges::reverse(backwards);
-  backwards.insert(backwards.end(), forwards.begin(), forwards.end());
-  return {std::move(kind), std::move(backwards), "", ""};
+Locus joined(std::string kind, Half backwards, const Half& forwards) {
+  const auto append = [](auto list, const auto& more) {
+    std::ranges::reverse(list);
+    list.insert(list.end(), more.begin(), more.end());
+    return list;
+  };
+  return {std::move(kind), append(std::move(backwards.points), forwards.points), backwards.end, forwards.end,
+          append(std::move(backwards.events), forwards.events)};
 }
 
 }  // namespace
 
 Locus hopf_locus(const Family2& family, const steady::Crossing& crossing, double q, const LocusOptions& options) {
-  std::vector<LocusPoint> halves[2];
-  std::string ends[2];
+  Half halves[2];
   for (const int half : {0, 1}) {
     HopfProblem problem(family, options, crossing.angular_frequency);
     ContinuationOptions how;
@@ -346,23 +458,19 @@ Locus hopf_locus(const Family2& family, const steady::Crossing& crossing, double
               "",
               fmt::format("the Hopf point {:.9g} is not followed in two parameters: no mode crosses by itself there",
                           crossing.value)};
-    ends[half] = follow_hopf(problem, continuation, options, *start, half == 0 ? -1 : 1, halves[half]);
+    auto& [points, events, end] = halves[half];
+    end = follow_hopf(problem, continuation, options, *start, half == 0 ? -1 : 1, points, events);
   }
-  halves[1].erase(halves[1].begin());  // the start, which both have
-  auto locus = joined("hopf", std::move(halves[0]), halves[1]);
-  locus.begins = ends[0], locus.ends = ends[1];
-  return locus;
+  halves[1].points.erase(halves[1].points.begin());  // the start, which both have
+  return joined("hopf", std::move(halves[0]), halves[1]);
 }
 
 Locus cycle_locus(const Family2& family, const SpecialPoint& special, double q, const LocusOptions& options) {
   SpecialCurve curve(family, special, q, options);
-  std::vector<LocusPoint> halves[2] = {{curve.start()}, {}};
-  std::string ends[2];
-  ends[0] = curve.follow(-1, halves[0]);
-  ends[1] = curve.closed() ? ends[0] : curve.follow(1, halves[1]);
-  auto locus = joined(special.kind, std::move(halves[0]), halves[1]);
-  locus.begins = ends[0], locus.ends = ends[1];
-  return locus;
+  Half before{{curve.start()}, {}, {}}, after;
+  before.end = curve.follow(-1, before.points, before.events);
+  after.end = curve.closed() ? before.end : curve.follow(1, after.points, after.events);
+  return joined(special.kind, std::move(before), after);
 }
 
 Loci find_loci(const Family2& family, const Branches& found, double q, const LocusOptions& options) {

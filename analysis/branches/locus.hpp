@@ -1,12 +1,15 @@
-/// Curves in two parameters: Hopf points of steady sliding, folds, period doublings, tori and grazing of cycles.
+/// Curves in two parameters: Hopf points of steady sliding, folds, period doublings, tori and grazing of cycles, and
+/// the points on them at which the kind of onset changes.
 #pragma once
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "analysis/branches/branch.hpp"
+#include "analysis/steady/stability.hpp"
 
 namespace rosin::analysis::branches {
 
@@ -17,19 +20,32 @@ struct LocusOptions {
   ParameterScale p, q;
   double tolerance = 1e-8;  ///< relative
   int points = 40;          ///< steps over the range of q
+  /// Of a Hopf point at (p, q) with that frequency (rad/s). Empty: Bautin points are not looked for.
+  std::function<std::optional<steady::NormalFormCoefficient>(double p, double q, double angular_frequency)>
+      normal_form = {};
 };
 
 struct LocusPoint {
   double p, q;
-  double p_error, q_error;                ///< absolute; the point lies on the curve within them
-  std::map<std::string, double> metrics;  ///< "angular_frequency" (rad/s), or those of the cycle
+  double p_error, q_error;  ///< absolute; the point lies on the curve within them
+  /// "angular_frequency" (rad/s) and, if it is known, "first_lyapunov_coefficient", or those of the cycle
+  std::map<std::string, double> metrics;
+};
+
+/// A point on a curve at which a second condition holds.
+struct LocusEvent {
+  /// "bautin": the first Lyapunov coefficient is 0. "resonance-1:1", …, "resonance-1:4": the pair of multipliers of a
+  /// torus has a 1st, …, 4th power 1.
+  std::string kind;
+  LocusPoint at;
 };
 
 /// A curve, from one end to the other.
 struct Locus {
   std::string kind;  ///< "hopf", "fold", "period-doubling", "torus", "grazing"
   std::vector<LocusPoint> points;
-  std::string begins, ends;  ///< why there; empty: at the end of a range
+  std::string begins, ends;             ///< why there; empty: at the end of a range
+  std::vector<LocusEvent> events = {};  ///< in the order of the curve
 };
 
 /// The Hopf points through a crossing at q, as far as both parameters stay in their ranges, round turning points.

@@ -580,13 +580,20 @@ class Conclusion {
     const auto p = Eigen::Index(problem_.free.size());
     Eigen::MatrixXd J = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
         at_best_.slopes.data(), Eigen::Index(at_best_.values.size()), p);
+    Eigen::VectorXd sizes = Eigen::VectorXd::Ones(p);
     for (Eigen::Index j = 0; j < p; ++j)
-      if (const double size = J.col(j).norm(); size > 0) J.col(j) /= size;
+      if (const double size = J.col(j).norm(); size > 0) J.col(j) /= sizes[j] = size;
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeThinV);
     constexpr double none = 1e-7, part = 0.05;
     combined_.assign(std::size_t(p), {});
+    known_ = Eigen::MatrixXd::Zero(p, p);
     for (Eigen::Index k = 0; k < p; ++k) {
-      if (svd.singularValues()[k] > none * svd.singularValues()[0]) continue;
+      const Eigen::VectorXd direction = svd.matrixV().col(k).cwiseQuotient(sizes);
+      if (svd.singularValues()[k] > none * svd.singularValues()[0]) {
+        known_.col(k) = direction / svd.singularValues()[k];
+        continue;
+      }
+      unknown_.push_back(direction / direction.norm());
       std::vector<std::size_t> of;
       for (Eigen::Index j = 0; j < p; ++j)
         if (std::abs(svd.matrixV()(j, k)) > part) of.push_back(std::size_t(j));
@@ -624,10 +631,19 @@ class Conclusion {
   }
 
   void parameter(std::size_t i, double z, bool profile, const std::function<void()>& report);
+  void derive(const DerivedNumber& number, double z);
   void clock(std::size_t i);
   void measurements();
 
  private:
+  /// Covariance of the variables, where the data know some in combination only that of what they know.
+  Eigen::MatrixXd covariance() const {
+    const auto p = Eigen::Index(problem_.free.size());
+    if (unknown_.empty())
+      return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+          best_.covariance.data(), p, p);
+    return known_ * known_.transpose();
+  }
   /// What an offset of the clock would find in a record without one.
   Found clock_of(const Subject& model, Measurement m, std::size_t measurement, std::size_t row,
                  const std::vector<char>& apart) const {
@@ -639,8 +655,10 @@ class Conclusion {
   const Minimum& best_;
   const Problem::Residuals& at_best_;
   Fit& result_;
-  std::vector<std::string> combined_;  ///< for each variable: those that it cannot be told from
-  std::vector<Told> told_;             ///< of each measurement
+  std::vector<std::string> combined_;     ///< for each variable: those that it cannot be told from
+  std::vector<Eigen::VectorXd> unknown_;  ///< directions of variables in which no residual changes, of unit length
+  Eigen::MatrixXd known_;                 ///< the others, each as far as its standard error
+  std::vector<Told> told_;                ///< of each measurement
 };
 
 void Conclusion::parameter(std::size_t i, double z, bool profile, const std::function<void()>& report) {
@@ -682,6 +700,80 @@ void Conclusion::parameter(std::size_t i, double z, bool profile, const std::fun
                                            parameter.path, std::exp(error)));
   }
   result_.parameters.push_back(parameter);
+}
+
+void Conclusion::derive(const DerivedNumber& number, double z) {
+  const auto p = problem_.variables.size();
+  const auto& paths = number.paths();
+  const auto subject = problem_.at(best_.q);
+  std::vector<double> numbers;
+  std::vector<std::size_t> variable(paths.size(), p);  // at each path; p: a number of the scene that is not fitted
+  for (std::size_t k = 0; k < paths.size(); ++k) {
+    numbers.push_back(subject.get(paths[k]));
+    for (std::size_t i = 0; i < p; ++i)
+      if (problem_.variables[i].quantity.name == paths[k]) variable[k] = i;
+  }
+  struct At {
+    double value;
+    Eigen::VectorXd slopes;  // by the variables
+  };
+  const auto at = [&](const Eigen::VectorXd& q) {
+    for (std::size_t k = 0; k < paths.size(); ++k)
+      if (const auto i = variable[k]; i < p) numbers[k] = problem_.variables[i].value(q[Eigen::Index(i)]);
+    const auto there = number.at(numbers);
+    At result{there.value, Eigen::VectorXd::Zero(Eigen::Index(p))};
+    for (std::size_t k = 0; k < paths.size(); ++k)
+      if (const auto i = Eigen::Index(variable[k]); variable[k] < p)
+        result.slopes[i] += there.slopes[k] * problem_.variables[variable[k]].slope(q[i]);
+    return result;
+  };
+  const Eigen::VectorXd best = Eigen::Map<const Eigen::VectorXd>(best_.q.data(), Eigen::Index(p));
+  const auto here = at(best);
+  FittedParameter derived{number.name(), number.unit(), here.value};
+  derived.profile_low = derived.profile_high = std::nan("");
+  const auto unknown = [&](const std::string& why) {
+    derived.standard_error = derived.low = derived.high = std::nan("");
+    if (!why.empty()) result_.warnings.push_back(fmt::format("{} = {}: {}", number.name(), number.text(), why));
+    result_.derived.push_back(derived);
+  };
+  if (misfits()) {
+    derived.withheld = true;
+    return unknown({});
+  }
+  if (!std::isfinite(here.value) || !here.slopes.allFinite()) return unknown("it is not finite at the fitted numbers");
+  for (std::size_t k = 0; k < paths.size(); ++k)
+    if (variable[k] < p && here.slopes[Eigen::Index(variable[k])] != 0 && at_bound(variable[k]))
+      return unknown(fmt::format("{} lies at an end of its range", paths[k]));
+  constexpr double no_part = 1e-6;
+  if (std::ranges::any_of(unknown_, [&](const auto& direction) {
+        return std::abs(direction.dot(here.slopes)) > no_part * here.slopes.norm();
+      }))
+    return unknown("the data do not determine this combination");
+  if (!unknown_.empty() && std::ranges::any_of(*problem_.data, moves))
+    return unknown("the data know its numbers in combination only, and its error by that of the motion is not known");
+  const Eigen::MatrixXd C = covariance();
+  derived.standard_error = std::sqrt(std::max(0.0, here.slopes.dot(C * here.slopes)));
+  // The point of the ellipsoid on which the formula is largest has its slopes for a normal: they are followed there.
+  const auto extreme = [&](double side) {
+    constexpr int most_rounds = 100;
+    At there = here;
+    double most = side * here.value;
+    for (int round = 0; round < most_rounds; ++round) {
+      const Eigen::VectorXd normal = C * there.slopes;
+      const double spread = std::sqrt(std::max(0.0, there.slopes.dot(normal)));
+      if (!(spread > 0)) break;
+      const double before = there.value;
+      there = at(best + side * z / spread * normal);
+      if (!std::isfinite(there.value) || !there.slopes.allFinite()) return std::nan("");
+      most = std::max(most, side * there.value);
+      if (std::abs(there.value - before) <= 1e-12 * std::abs(there.value)) break;
+    }
+    return side * most;
+  };
+  derived.low = extreme(-1), derived.high = extreme(1);
+  if (!std::isfinite(derived.low) || !std::isfinite(derived.high))
+    return unknown("it is not finite throughout the intervals of its numbers");
+  result_.derived.push_back(derived);
 }
 
 /// An offset that hangs on one or two points jumps between them rather than err as its covariance says.
@@ -1025,6 +1117,7 @@ Fit fit(const Subject& model, const std::vector<Measurement>& data, const FitOpt
                                               result.correlation.back()));
     }
   }
+  for (const auto& number : options.derived) conclusion.derive(number, z);
   if (errors_given && best.chi_square > most_expected)
     result.warnings.push_back(fmt::format(
         "chi square is {:.4g} where {:.4g} is expected: the law does not describe these data, or their errors are "

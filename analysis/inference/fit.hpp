@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/inference/derived.hpp"
 #include "analysis/inference/measurement.hpp"
 #include "analysis/inference/misfit.hpp"
 #include "analysis/inference/noise.hpp"
@@ -28,6 +29,7 @@ struct FitOptions {
   std::optional<bool> profiles = {};  ///< of all parameters or none; nothing: of those whose covariance is in doubt
   int folds = 0;                      ///< of cross-validation; 0: none
   double confidence = 0.95;
+  std::vector<DerivedNumber> derived = {};                 ///< numbers that follow from the fitted ones
   std::function<void(int done, int total)> progress = {};  ///< called after each minimisation, of so many at most
 };
 
@@ -58,6 +60,10 @@ struct Fit {
   Model model;  ///< with the fitted values
   /// Those of the model, then terms of the laboratory: "data.1.trend", …, counted from 1.
   std::vector<FittedParameter> parameters;
+  /// Each by its name as path. Standard error g'Cg of its slopes g and the covariance C, also where the data know the
+  /// fitted numbers in this combination only; interval: its extremes over the ellipsoid of fitted variables in which
+  /// each of them alone has its own interval.
+  std::vector<FittedParameter> derived;
   std::vector<double> correlation;  ///< row-major, of the fitted variables
   double chi_square = 0;
   int points = 0;  ///< that are predicted

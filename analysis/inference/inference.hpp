@@ -1,5 +1,6 @@
 /// What measurements tell of laws and parameters: fits, laws made equal, and designs that decide between them.
 #pragma once
+#include "analysis/inference/derived.hpp"
 #include "analysis/inference/discrimination.hpp"
 #include "analysis/inference/equalise.hpp"
 #include "analysis/inference/fit.hpp"

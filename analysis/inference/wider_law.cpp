@@ -23,6 +23,7 @@ std::optional<WiderFit> fit_with_negative_evolution(const Model& start,
   for (const auto& quantity : start.law->parameters())
     wider = wider.with(renamed("law." + quantity.name), start.get("law." + quantity.name));
   auto same = options;
+  same.derived.clear();
   for (auto& path : same.parameters) path = renamed(path);
   auto fit = inference::fit(wider, data, same);
   constexpr double strong = 10;

@@ -55,6 +55,7 @@ class EnergyAudit {
       for (std::size_t k = 0; k < structure.force.size(); ++k) add(structure.force[k].value(t) * v[k]);
       add(system_.normal_power(t, y_.data()));
       add(system_.stop_power(t, y_.data()));
+      add(system_.limit_power(t, y_.data()));
       for (int j = 0; j < system_.friction_contacts(); ++j) {
         if (system_.follows_motion(j)) {
           impulse[j] += weight * force_[j], pressed[j] += weight * system_.normal_load(j, t, y_.data());

@@ -124,21 +124,7 @@ struct Linearisation {
   }
 };
 
-/// Re c₁/ω at a Hopf point; NaN where the pair is double.
-double first_lyapunov_coefficient(const Model& model, double omega) {
-  const Linearisation sliding(model);
-  const auto& system = sliding.system;
-  Expansion at{sliding.at, {}, {}, Vector(system.size()), model.drive.speed.level()};
-  system.slip_rate_gradient(0, at.linear.y.data(), at.slip_rate_gradient.data());
-  const auto derivatives = [&](const Vector& d) {
-    Vector second(system.size()), third(system.size());
-    system.expand(0, at.linear.y.data(), d.data(), second.data(), third.data());
-    return std::pair{second, third};
-  };
-  at.second = [&](const Vector& d) { return derivatives(d).first; };
-  at.third = [&](const Vector& d) { return derivatives(d).second; };
-  return normal_form_coefficient(at, {0, omega}).value_or(NAN) / omega;
-}
+constexpr double coefficient_rounding = 1e-10;  ///< of Re c₁/ω
 
 /// What single-state laws need for closed forms, at steady sliding.
 struct SingleState {
@@ -180,6 +166,23 @@ std::string name(Criticality c) {
   return c == Criticality::supercritical ? "supercritical"
          : c == Criticality::subcritical ? "subcritical"
                                          : "degenerate";
+}
+
+std::optional<NormalFormCoefficient> normal_form(const Model& model, double angular_frequency) {
+  const Linearisation sliding(model);
+  const auto& system = sliding.system;
+  Expansion at{sliding.at, {}, {}, Vector(system.size()), model.drive.speed.level()};
+  system.slip_rate_gradient(0, at.linear.y.data(), at.slip_rate_gradient.data());
+  const auto derivatives = [&](const Vector& d) {
+    Vector second(system.size()), third(system.size());
+    system.expand(0, at.linear.y.data(), d.data(), second.data(), third.data());
+    return std::pair{second, third};
+  };
+  at.second = [&](const Vector& d) { return derivatives(d).first; };
+  at.third = [&](const Vector& d) { return derivatives(d).second; };
+  const auto c1 = normal_form_coefficient(at, {0, angular_frequency});
+  if (!c1) return std::nullopt;
+  return NormalFormCoefficient{*c1 / angular_frequency, coefficient_rounding};
 }
 
 SteadySliding steady_sliding(const Model& model) {
@@ -268,15 +271,16 @@ std::optional<double> critical_stiffness(const Model& model) {
 /// Whether vibration sets in softly or with a jump at a point where `there` is at. \throws InputError where that is
 /// beyond the range of numbers.
 void classify(HopfPoint& point, const Model& there) {
-  const double l = point.first_lyapunov_coefficient = first_lyapunov_coefficient(there, point.angular_frequency);
+  const auto form = normal_form(there, point.angular_frequency);
+  const double l = point.first_lyapunov_coefficient = form ? form->value : NAN;
   if (!std::isfinite(l))
     throw InputError(fmt::format(
         "at the Hopf point {} = {:.6g} the slider oscillates with {:.2g} rad/s: its normal form is beyond the "
         "range of numbers; oscillator.stiffness, {:.3g} N/m, or the mass is out of any range",
         point.parameter, point.value, point.angular_frequency, there.slider.stiffness));
-  point.criticality = !(std::abs(l) > 1e-10) ? Criticality::degenerate
-                      : l < 0                ? Criticality::supercritical
-                                             : Criticality::subcritical;
+  point.criticality = !(std::abs(l) > form->error) ? Criticality::degenerate
+                      : l < 0                      ? Criticality::supercritical
+                                                   : Criticality::subcritical;
 }
 }  // namespace
 

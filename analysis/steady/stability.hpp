@@ -39,6 +39,14 @@ Stability stability(const Model&);
 enum class Criticality { supercritical, subcritical, degenerate };
 std::string name(Criticality);
 
+/// Re c₁/ω of the normal form ẇ = iω w + c₁ w|w|², w scaled so that the slip rate of the first contact is
+/// V(1 + |w| cos ωt), and its error.
+struct NormalFormCoefficient {
+  double value, error;
+};
+/// Of sliding at a Hopf point with that frequency (rad/s), by exact derivatives. Nothing where the pair is double.
+std::optional<NormalFormCoefficient> normal_form(const Model&, double angular_frequency);
+
 /// A parameter value at which a pair of eigenvalues ±iω crosses the imaginary axis.
 struct HopfPoint {
   std::string parameter;

@@ -19,12 +19,8 @@ struct StructureHopf {
   double amplitude;
 };
 
-/// Re c₁/|ω| as above, and its error.
-struct NormalFormCoefficient {
-  double value, error;
-};
-/// Of the mode with that eigenvalue: exact in the sense of the normal form where Re s = 0, continued from there
-/// elsewhere, with s itself in its equations. Nothing where the pair is double or no slip moves with it.
+/// Re c₁/|ω| of the mode with that eigenvalue: exact in the sense of the normal form where Re s = 0, continued from
+/// there elsewhere, with s itself in its equations. Nothing where the pair is double or no slip moves with it.
 std::optional<NormalFormCoefficient> normal_form(const oscillators::Structure&, std::complex<double> eigenvalue);
 
 /// At a crossing of the structures along a parameter. Nothing where no pair of eigenvalues crosses by itself: where

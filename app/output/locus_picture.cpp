@@ -35,6 +35,8 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
     const auto& [name, title, look] = *std::ranges::find(kinds, loci.curves[k].kind, &Kind::name);
     panel.lines.push_back(
         {.table = "locus.csv", .x = {2}, .y = {4}, .look = look, .title = title, .where = {{1, '=', double(k)}}});
+    for (const auto& [event, at] : loci.curves[k].events)
+      panel.marks.push_back({at.p, at.q, tasks::label_of(event), Side::right, {.style = reference_style}});
   }
   panel.rules = {{'y', locus.value, {.style = reference_style}, "the scene"}};
   auto figure = figure_of(scene, "locus", "Where steady sliding and cycles change, in two parameters",

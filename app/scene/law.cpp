@@ -26,7 +26,8 @@ auto located_in_formula(const toml::node& formula, F f) {
     return f();
   } catch (const laws::ExpressionError& error) {
     const toml::node* node = &formula;  // or the innermost of the path that is there
-    std::istringstream path(error.expression);
+    constexpr std::string_view above = "law.formula.";
+    std::istringstream path(error.expression.substr(above.size()));
     for (std::string key; std::getline(path, key, '.') && node->is_table();)
       if (const auto* inner = node->as_table()->get(key)) node = inner;
     const auto* expression = node->as_string();

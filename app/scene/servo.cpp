@@ -21,7 +21,7 @@ void read_servo(SceneReader& reader, const toml::node& node) {
   auto& structure = scene.structure->structure;
 
   Table table(node, "oscillator.servo");
-  table.expect({"coordinate", "kp", "ki", "kd", "reference"});
+  table.expect({"coordinate", "kp", "ki", "kd", "reference", "feedforward", "limit", "anti_windup"});
   int number = 1;
   if (structure.size() > 1) table.required("coordinate", "number of the coordinate, from 1");
   table.read("coordinate", number, 1, structure.size(), "number of the coordinate, from 1");
@@ -30,9 +30,21 @@ void read_servo(SceneReader& reader, const toml::node& node) {
   table.read("kp", servo.proportional, {"", "N/m", gains, "proportional gain kp of the servo"});
   table.read("ki", servo.integral, {"", "N/(m s)", gains, "integral gain ki of the servo"});
   table.read("kd", servo.derivative, {"", "N s/m", gains, "derivative gain kd of the servo"});
+  table.read("feedforward", servo.feedforward,
+             {"", "N s/m", {0, 1e15}, "force of the servo on a velocity of its reference"});
   if (const auto* reference = table.find("reference"))
     servo.reference = read_signal(
         *reference, {table.path("reference"), "m", {-1e15, 1e15}, "position that the servo holds"}, reader.folder);
+  if (const auto* feedforward = table.find("feedforward");
+      feedforward && servo.feedforward > 0 && servo.reference.constant())
+    fail(feedforward->source(), "oscillator.servo.feedforward has no effect: the reference does not move");
+  table.read("limit", servo.limit, {"", "N", {1e-300, infinity}, "largest force of the servo"});
+  if (const auto* time = table.find("anti_windup")) {
+    table.read("anti_windup", servo.anti_windup,
+               {"", "s", {1e-12, infinity}, "time in which the integral follows a force at its limit"});
+    if (!(servo.limit < infinity && servo.integral > 0))
+      fail(time->source(), "oscillator.servo.anti_windup has no effect without a limit (N) and an integral gain ki");
+  }
   table.finish();
   if (!(servo.proportional > 0 || servo.integral > 0 || servo.derivative > 0))
     fail(node.source(), "oscillator.servo has no effect without a gain: give kp (N/m), ki (N/(m s)) or kd (N s/m)");

@@ -13,6 +13,7 @@ struct Fit {
     std::string name;
     analysis::inference::Subject subject;
     std::vector<std::string> parameters;
+    std::vector<analysis::inference::DerivedNumber> derived;
   };
   std::vector<Candidate> candidates;  ///< the scene's own law first
   std::vector<analysis::inference::Measurement> data;

@@ -12,6 +12,7 @@
 #include "analysis/branches/branches.hpp"
 #include "analysis/cycles/cycle.hpp"
 #include "analysis/cycles/structure_cycle.hpp"
+#include "analysis/steady/steady.hpp"
 #include "app/output/pictures.hpp"
 #include "app/results/writers.hpp"
 #include "app/scene/family.hpp"
@@ -90,15 +91,12 @@ void read_locus(scene::Table table, const scene::Family& family, tasks::Branch& 
   options.p = task.options.parameter;
 }
 
-/// Where the motion that is followed starts.
-void read_start(scene::Scene& scene, const toml::node& start, const std::string& path) {
-  auto& task = scene.task<tasks::Branch>();
-  if (scene.structure)
-    task.structure_start = scene::read_start_of_structure(start, path, scene);
-  else if (analysis::branches::settles_as_structure(scene.model))
-    task.structure_start = scene::read_structure_start(start, path, oscillators::one_slider(scene.model));
-  else
-    task.slider_start = scene::read_start(start, path, *scene.model.law);
+/// Where a motion that is followed starts.
+tasks::Branch::Start read_start(scene::Scene& scene, const toml::node& start, const std::string& path) {
+  if (scene.structure) return {.structure = scene::read_start_of_structure(start, path, scene)};
+  if (analysis::branches::settles_as_structure(scene.model))
+    return {.structure = scene::read_structure_start(start, path, oscillators::one_slider(scene.model))};
+  return {.slider = scene::read_start(start, path, *scene.model.law)};
 }
 
 /// [cycle], as `rosin cycle` takes it.
@@ -107,10 +105,10 @@ void read_cycle(scene::Table table, scene::Scene& scene) {
   table.read("stick_threshold", scene.task<analysis::cycles::CycleOptions>().stick_threshold,
              {"", "1", {1e-6, 0.999}, "stick is |v| <= threshold times V"});
   if (const auto* start = table.find("start")) {
-    if (scene.task<tasks::Branch>().structure_start || scene.task<tasks::Branch>().slider_start)
+    if (auto& starts = scene.task<tasks::Branch>().starts; !starts.empty())
       scene.notes.push_back("cycle.start has no effect: branch.start says where the motion starts");
     else
-      read_start(scene, *start, table.path("start"));
+      starts.push_back(read_start(scene, *start, table.path("start")));
   }
   table.finish();
 }
@@ -135,7 +133,13 @@ void read_branch_table(scene::Table table, scene::SceneReader& reader) {
                 "along a parameter; a branch is that of steady sliding under a constant drive, start = \"steady\"");
   if (const auto* start = table.find("start"); start && start->is_table()) {
     task.from_cycle = true;
-    read_start(scene, *start, table.path("start"));
+    task.starts.push_back(read_start(scene, *start, table.path("start")));
+  } else if (start && start->is_array()) {
+    task.from_cycle = true;
+    constexpr std::size_t most_motions = 100;
+    for (const auto& one : scene::list(*start, table.path("start"), "starts, one for each motion", most_motions))
+      task.starts.push_back(read_start(scene, one, table.path("start")));
+    if (task.starts.empty()) scene::fail(start->source(), "{} is empty", table.path("start"));
   } else if (start) {
     task.from_cycle = scene::choice(*start, table.path("start"), {"steady", "cycle"}) == "cycle";
     if (!task.from_cycle && !slides)
@@ -168,13 +172,6 @@ void read_branch(scene::SceneReader& reader) {
   if (auto cycle = reader.root.table("cycle")) read_cycle(*cycle, reader.scene);
 }
 
-/// As AUTO-07p and MatCont call the point; empty where neither knows it.
-std::string label_of(const std::string& kind) {
-  constexpr std::pair<std::string_view, const char*> labels[] = {
-      {"hopf", "H"}, {"fold", "LP"}, {"period-doubling", "PD"}, {"torus", "NS"}, {"grazing", "GR"}};
-  const auto* found = std::ranges::find(labels, kind, &std::pair<std::string_view, const char*>::first);
-  return found == std::end(labels) ? "" : found->second;
-}
 std::string in_brackets(const std::string& label) { return label.empty() ? "" : fmt::format(" ({})", label); }
 
 std::string drawn_metric(const Branches& found) {
@@ -187,19 +184,27 @@ std::string drawn_metric(const Branches& found) {
 
 ordered_json loci_of(const tasks::Branch& task, const Loci& loci) {
   auto curves = ordered_json::array();
-  for (const auto& [kind, points, begins, ends] : loci.curves) {
-    auto list = ordered_json::array();
-    for (const auto& point : points)
-      list.push_back({{"value", point.p},
-                      {"locus_value", point.q},
-                      {"error", {{"value", point.p_error}, {"locus_value", point.q_error}}},
-                      {"metrics", point.metrics}});
+  const auto at = [](const analysis::branches::LocusPoint& point) {
+    return ordered_json{{"value", point.p},
+                        {"locus_value", point.q},
+                        {"error", {{"value", point.p_error}, {"locus_value", point.q_error}}},
+                        {"metrics", point.metrics}};
+  };
+  for (const auto& [kind, points, begins, ends, events] : loci.curves) {
+    auto list = ordered_json::array(), special = list;
+    for (const auto& point : points) list.push_back(at(point));
+    for (const auto& event : events) {
+      ordered_json entry{{"kind", event.kind}, {"label", tasks::label_of(event.kind)}};
+      entry.update(at(event.at));
+      special.push_back(std::move(entry));
+    }
     const auto end = [](const std::string& why) { return why.empty() ? "at the end of the range" : why; };
     curves.push_back({{"kind", kind},
                       {"parameter", task.locus->parameter.name},
                       {"begins", end(begins)},
                       {"ends", end(ends)},
-                      {"points", std::move(list)}});
+                      {"points", std::move(list)},
+                      {"events", std::move(special)}});
   }
   return curves;
 }
@@ -257,7 +262,7 @@ results::Result result_of(const Job& job, const Branches& found, const Loci& loc
     }
   }
   for (auto& event : events)
-    if (const auto label = label_of(event["kind"]); !label.empty()) event["label"] = label;
+    if (const auto label = tasks::label_of(event["kind"]); !label.empty()) event["label"] = label;
   result["points"] = std::move(points);
   result["events"] = std::move(events);
   result["branches"] = std::move(branches);
@@ -333,6 +338,27 @@ results::Table table_of(const tasks::Branch& task, const Loci& loci) {
                                  {{"period", "s"}, columns[5]}});
 }
 
+/// Where the kind of change along a curve itself changes.
+results::Table events_of(const tasks::Branch& task, const Loci& loci) {
+  std::vector<std::string> kinds;
+  std::vector<double> columns[5];
+  for (std::size_t k = 0; k < loci.curves.size(); ++k)
+    for (const auto& [kind, at] : loci.curves[k].events) {
+      kinds.push_back(kind);
+      const double row[] = {double(k), at.p, at.p_error, at.q, at.q_error};
+      for (std::size_t c = 0; c < 5; ++c) columns[c].push_back(row[c]);
+    }
+  const auto &p = task.parameter, &q = task.locus->parameter;
+  return {"locus-events",
+          {{"locus_event", kinds.size()}},
+          {{{"kind", ""}, std::move(kinds)},
+           {{"curve"}, columns[0]},
+           {{p.name, p.unit, p.meaning}, columns[1]},
+           {{p.name + "_error", p.unit, results::error_of({p.name})}, columns[2]},
+           {{q.name, q.unit, q.meaning}, columns[3]},
+           {{q.name + "_error", q.unit, results::error_of({q.name})}, columns[4]}}};
+}
+
 /// Where branches change.
 results::Table events_of(const tasks::Branch& task, const Branches& found) {
   std::vector<std::string> kinds;
@@ -358,6 +384,38 @@ std::optional<analysis::branches::SmallCycles> small_cycles_at(const oscillators
   if (std::ranges::none_of(model.parameters(), [&](const auto& quantity) { return quantity.name == path; }))
     return std::nullopt;
   return analysis::branches::small_cycles(model, path, crossing);
+}
+
+/// The branch of `found` that the first cycle of `more` at a value lies on, by its period and its largest values.
+std::optional<std::size_t> same_motion(const Branches& found, const Branches& more, double value) {
+  if (more.cycles.empty() || more.cycles.front().branch.points.empty()) return std::nullopt;
+  const auto& wanted = more.cycles.front().branch.points.front();
+  const auto alike = [&](const auto& point) {
+    constexpr double same = 1e-6;
+    return std::abs(point.p - value) <= same * std::abs(value) &&
+           std::ranges::all_of(point.view.metrics, [&](const auto& metric) {
+             const auto& [name, number] = metric;
+             if (name != "period" && !name.ends_with("_max")) return true;
+             const auto other = wanted.view.metrics.find(name);
+             return other != wanted.view.metrics.end() && std::abs(number - other->second) <= same * std::abs(number);
+           });
+  };
+  for (std::size_t b = 0; b < found.cycles.size(); ++b)
+    if (std::ranges::any_of(found.cycles[b].branch.points, alike)) return b;
+  return std::nullopt;
+}
+
+/// The branches of another motion beside those that were found.
+void add(Branches& found, Branches more) {
+  const int first = int(found.cycles.size());
+  for (auto& cycle : more.cycles) {
+    if (cycle.parent >= 0) cycle.parent += first;
+    found.cycles.push_back(std::move(cycle));
+  }
+  found.crossings.insert(found.crossings.end(), more.crossings.begin(), more.crossings.end());
+  found.notes.insert(found.notes.end(), more.notes.begin(), more.notes.end());
+  found.steps += more.steps, found.residuals += more.residuals;
+  found.outcome = more.outcome;
 }
 
 Status perform_branch(Job& job) {
@@ -391,29 +449,38 @@ Status perform_branch(Job& job) {
   Branches found;
   const auto& range = task.options.parameter;
   bool has_started = false;
-  const auto settled = [&] {
+  const auto settled = [&](const tasks::Branch::Start& start) {
     has_started = true;
     if (is_slider && !analysis::branches::settles_as_structure(scene.model))
       return analysis::branches::settle(scene.family->slider_with({{path, range.from}}), task.options.tolerance,
-                                        task.slider_start);
+                                        start.slider);
     auto model =
         is_slider
             ? analysis::motion::StructureModel{oscillators::one_slider(scene.family->slider_with({{path, range.from}})),
                                                {}}
             : scene.family->with({{path, range.from}});
     if (is_slider) model.start.kind = analysis::motion::Start::Kind::rest;
-    if (task.structure_start) model.start = *task.structure_start;
+    if (start.structure) model.start = *start.structure;
     return analysis::branches::settle(model, task.options.tolerance);
   };
   const auto why_none = [&](const analysis::branches::Settled& cycle) {
     return fmt::format("at branch.from = {} the motion settles on no cycle: {}", range.from, cycle.outcome.detail);
   };
+  const auto starts = task.starts.empty() ? std::vector<tasks::Branch::Start>(1) : task.starts;
   if (task.from_cycle) {
-    const auto cycle = settled();
-    if (!cycle.outcome.complete())
-      throw InputError(
-          fmt::format("branch.start = \"cycle\": {}; give another value, or start = \"steady\"", why_none(cycle)));
-    found = analysis::branches::from_cycle(family, cycle, range.from, task.options);
+    for (std::size_t k = 0; k < starts.size() && found.outcome.complete(); ++k) {
+      const auto number = starts.size() > 1 ? fmt::format("start {}: ", k + 1) : "";
+      const auto cycle = settled(starts[k]);
+      if (!cycle.outcome.complete())
+        throw InputError(fmt::format("branch.start = \"cycle\": {}{}; give another value, or start = \"steady\"",
+                                     number, why_none(cycle)));
+      auto more = analysis::branches::from_cycle(family, cycle, range.from, task.options);
+      if (const auto same = same_motion(found, more, range.from))
+        found.notes.push_back(
+            fmt::format("{}its motion is that of branch {}, which is followed already", number, *same));
+      else
+        add(found, std::move(more));
+    }
   } else {
     std::optional<std::vector<analysis::steady::Crossing>> crossings;
     if (is_slider)
@@ -427,7 +494,7 @@ Status perform_branch(Job& job) {
                           std::ranges::any_of(found.steady, [](const auto& point) { return point.why.empty(); });
       const auto unstable = exists ? std::string("steady sliding is unstable throughout, without a Hopf point")
                                    : fmt::format("there is no steady sliding: {}", found.steady.front().why);
-      if (const auto cycle = settled(); cycle.outcome.complete()) {
+      if (const auto cycle = settled(starts.front()); cycle.outcome.complete()) {
         job.note(unstable + ": cycles from the motion that has settled");
         auto steady = std::move(found.steady);
         found = analysis::branches::from_cycle(family, cycle, range.from, task.options);
@@ -438,7 +505,7 @@ Status perform_branch(Job& job) {
       }
     }
   }
-  if (!has_started && (task.structure_start || task.slider_start))
+  if (!has_started && !task.starts.empty())
     found.notes.push_back("cycle.start has no effect: the branch begins with steady sliding");
   for (const auto& crossing : found.crossings) {
     auto& small = found.small_cycles.emplace_back();
@@ -457,6 +524,12 @@ Status perform_branch(Job& job) {
   if (task.locus && found.outcome.complete()) {
     auto& locus = *task.locus;
     locus.options.tolerance = task.options.tolerance;
+    locus.options.normal_form = [&](double p, double q, double angular_frequency) {
+      return is_slider
+                 ? analysis::steady::normal_form(scene.family->slider_with({{path, p}, {second, q}}), angular_frequency)
+                 : analysis::steady::normal_form(scene.family->with({{path, p}, {second, q}}).structure,
+                                                 {0, angular_frequency});
+    };
     loci = analysis::branches::find_loci(family_of_two, found, locus.value, locus.options);
     found.outcome = loci.outcome;
   }
@@ -479,7 +552,7 @@ Status perform_branch(Job& job) {
             branch.outcome.detail.empty() ? "to the end of the range" : branch.outcome.detail);
     for (const auto& special : branch.special)
       job.say("  {:<15} {} = {}{}", special.kind, path, justified(special.p, special.error, unit),
-              in_brackets(label_of(special.kind)));
+              in_brackets(tasks::label_of(special.kind)));
     for (const auto& at : branch.points)
       if (at.asked)
         job.say("  at {}: period {}, {}", with_unit(at.p, unit),
@@ -489,7 +562,7 @@ Status perform_branch(Job& job) {
   if (found.cycles.empty() && found.crossings.empty())
     job.say("steady sliding does not change its stability between {:.9g} and {}", range.from,
             with_unit(range.to, unit));
-  for (const auto& [kind, points, begins, ends] : loci.curves) {
+  for (const auto& [kind, points, begins, ends, events] : loci.curves) {
     if (points.empty()) {
       found.notes.push_back(ends);
       continue;
@@ -499,6 +572,9 @@ Status perform_branch(Job& job) {
     for (const auto& [point, why] : {std::pair{&points.front(), &begins}, {&points.back(), &ends}})
       job.say("  {} = {}, {} = {}{}{}", second.name, with_unit(point->q, second.unit), path,
               justified(point->p, point->p_error, unit), why->empty() ? "" : ": ", *why);
+    for (const auto& [event, at] : events)
+      job.say("  {:<15} {} = {}, {} = {}{}", event, second.name, justified(at.q, at.q_error, second.unit), path,
+              justified(at.p, at.p_error, unit), in_brackets(tasks::label_of(event)));
   }
   for (const auto& note : found.notes) job.note(note);
   found.outcome = why_stopped(found.outcome);
@@ -520,6 +596,8 @@ Status perform_branch(Job& job) {
   auto files = output::write_picture(job.folder(), scene, found);
   if (!loci.curves.empty()) {
     result.tables.push_back(table_of(task, loci));
+    if (std::ranges::any_of(loci.curves, [](const auto& curve) { return !curve.events.empty(); }))
+      result.tables.push_back(events_of(task, loci));
     const auto drawn = output::write_picture(job.folder(), scene, loci);
     files.insert(files.end(), drawn.begin(), drawn.end());
   }

@@ -71,15 +71,26 @@ results::Axis ordinate(const Measurement& m) {
   return axis;
 }
 
-ordered_json parameters(const analysis::inference::Fit& fit) {
+ordered_json parameters(const std::vector<analysis::inference::FittedParameter>& fitted) {
   auto object = ordered_json::object();
-  for (const auto& p : fit.parameters)
+  for (const auto& p : fitted)
     object[p.path] = {{"value", p.value},
                       {"unit", p.unit},
                       {"standard_error", p.standard_error},
                       {"interval", {p.low, p.high}},
                       {"profile", {p.profile_low, p.profile_high}},
                       {"at_bound", p.at_bound}};
+  return object;
+}
+
+/// As parameters, without a profile, and with the formula of each.
+ordered_json derived(const analysis::inference::Fit& fit, const tasks::Fit::Candidate& candidate) {
+  auto object = parameters(fit.derived);
+  for (const auto& number : candidate.derived) {
+    auto& of = object[number.name()];
+    of.erase("profile"), of.erase("at_bound");
+    of["formula"] = number.text();
+  }
   return object;
 }
 
@@ -120,7 +131,7 @@ results::Table table_of(const analysis::inference::Fit& fit, double confidence) 
       .columns = {{{"parameter", "", "fitted parameter"}, names},
                   {{"other_parameter", "", "fitted parameter"}, names, {}, {1}},
                   {{"correlation", "1", "correlation of two fitted parameters"}, fit.correlation, {}, {0, 1}}}};
-  for (const auto& p : fit.parameters) {
+  const auto add = [&](const analysis::inference::FittedParameter& p) {
     table.columns.push_back({{p.path, p.unit, p.path}, std::vector{p.value}, {}, {}});
     table.columns.push_back(
         {{p.path + "_error", p.unit, "standard error of " + p.path}, std::vector{p.standard_error}, {}, {}});
@@ -129,7 +140,9 @@ results::Table table_of(const analysis::inference::Fit& fit, double confidence) 
          std::vector{p.low, p.high},
          {},
          {2}});
-  }
+  };
+  std::ranges::for_each(fit.parameters, add);
+  std::ranges::for_each(fit.derived, add);
   return table;
 }
 
@@ -139,7 +152,8 @@ results::Result result_of(const Job& job, const std::vector<analysis::inference:
   const auto& asked = scene.task<tasks::Fit>();
   const auto& own = fits.front();
   auto result = job.result(own.outcome);
-  result["parameters"] = parameters(own);
+  result["parameters"] = parameters(own.parameters);
+  if (!own.derived.empty()) result["derived"] = derived(own, asked.candidates.front());
   result["correlation"] = own.correlation;
   result["chi_square"] = own.chi_square;
   result["points"] = own.points;
@@ -155,8 +169,9 @@ results::Result result_of(const Job& job, const std::vector<analysis::inference:
                        {"cross_validation", fit.cross_validation},
                        {"chi_square", fit.chi_square},
                        {"converged_starts", fit.converged_starts},
-                       {"parameters", parameters(fit)},
+                       {"parameters", parameters(fit.parameters)},
                        {"warnings", fit.warnings}});
+    if (!fit.derived.empty()) ranking.back()["derived"] = derived(fit, asked.candidates[k]);
   }
   result["measurements"] = std::move(measurements);
   result["ranking"] = std::move(ranking);
@@ -269,7 +284,9 @@ std::vector<std::pair<std::string, std::string>> rows_of_table(const scene::Scen
     if (fits.size() > 1)
       rows.emplace_back(scene.task<tasks::Fit>().candidates[k].name,
                         fmt::format("AIC {:+.2f} from the best", fits[k].aic - fits[shown.front()].aic));
-    for (const auto& p : fits[k].parameters)
+    auto shown_numbers = fits[k].parameters;
+    shown_numbers.insert(shown_numbers.end(), fits[k].derived.begin(), fits[k].derived.end());
+    for (const auto& p : shown_numbers)
       rows.emplace_back((fits.size() > 1 ? "    " : "") + p.path,
                         std::isnan(p.low) ? described(p, scene.task<tasks::Fit>().options.confidence)
                                           : fmt::format("{} ({} … {})", justified(p.value, p.standard_error, p.unit),
@@ -396,6 +413,7 @@ Status perform_fit(Job& job) {
     for (const auto& candidate : asked.candidates) {
       auto options = asked.options;
       options.parameters = candidate.parameters;
+      options.derived = candidate.derived;
       options.progress = [&](int done, int total) { progress.show(std::size_t(done), std::size_t(total)); };
       job.explain("{}: {} parameters by least squares", candidate.name, candidate.parameters.size());
       fits.push_back(analysis::inference::fit(candidate.subject, asked.data, options));
@@ -418,6 +436,7 @@ Status perform_fit(Job& job) {
     const auto& fit = fits[k];
     job.say("{}: chi square {:.5g} of {} numbers", asked.candidates[k].name, fit.chi_square, fit.points);
     for (const auto& p : fit.parameters) job.say("  {:<34} {}", p.path, described(p, asked.options.confidence));
+    for (const auto& p : fit.derived) job.say("  {:<34} {}", p.path, described(p, asked.options.confidence));
     for (std::size_t d = 0; d < fit.measurements.size(); ++d) {
       const auto& m = fit.measurements[d];
       const auto& data = asked.data[d];
@@ -458,12 +477,19 @@ void read_fit_question(scene::SceneReader& reader) {
                 "its motion, type = \"motion\"");
   read_tables_of_models(reader);
   read_fit(scene::Table(fit, "fit"), reader);
+  const auto note_unread = [&](std::initializer_list<std::string_view> paths) {
+    for (const auto path : paths)
+      if (std::ranges::none_of(reader.scene.task<tasks::Fit>().candidates, [&](const auto& candidate) {
+            return std::ranges::any_of(candidate.derived, [&](const auto& number) {
+              return std::ranges::find(number.paths(), path) != number.paths().end();
+            });
+          }))
+        reader.note_unread({path}, "a fit does not ask for it");
+  };
   if (!slides && !moves)
-    reader.note_unread(
-        {"oscillator.mass", "oscillator.stiffness", "oscillator.damping", "oscillator.stops", "oscillator.restitution"},
-        "a fit does not ask for it");
-  if (!moves && !reader.scene.structure)
-    reader.note_unread({"drive.force", "law.load_memory"}, "a fit does not ask for it");
+    note_unread({"oscillator.mass", "oscillator.stiffness", "oscillator.damping", "oscillator.stops",
+                 "oscillator.restitution"});
+  if (!moves && !reader.scene.structure) note_unread({"drive.force", "law.load_memory"});
   if (std::ranges::all_of(reader.scene.task<tasks::Fit>().data,
                           [](const auto& m) { return m.kind == Measurement::Kind::steady_curve; }))
     reader.note_unread({"drive.speed", "law.contact_stiffness"}, "a steady curve does not depend on it");

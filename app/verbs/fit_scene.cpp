@@ -684,6 +684,35 @@ bool has_data(const toml::node& fit, std::string_view type) {
          });
 }
 
+/// Formulas over numbers of the scene, which must stand in it or be fitted.
+std::vector<analysis::inference::DerivedNumber> read_derived(scene::Table& table, const scene::SceneReader& reader,
+                                                             const analysis::inference::Subject& subject,
+                                                             const std::vector<std::string>& parameters) {
+  std::vector<analysis::inference::DerivedNumber> found;
+  const auto* node = table.find("derived");
+  if (!node) return found;
+  const auto fitted = [&](const std::string& path) { return std::ranges::find(parameters, path) != parameters.end(); };
+  if (!node->is_table())
+    scene::wrong_kind(*node, table.path("derived"), "a table of formulas: name = \"law.a - law.b\"");
+  for (const auto& [key, formula] : *node->as_table()) {
+    const std::string name(key.str()), path = table.path("derived") + "." + name;
+    if (name.empty() || fitted(name))
+      scene::fail(formula.source(), "{}: this name is {}; take another", path,
+                  name.empty() ? "empty" : "the path of a fitted number");
+    const auto text = scene::text(formula, path);
+    scene::located(formula.source(), [&] {
+      auto& number = found.emplace_back(name, text, subject);
+      if (std::ranges::none_of(number.paths(), fitted))
+        throw InputError(fmt::format("{}: '{}' holds no number that is fitted; those are {}", path, text,
+                                     fmt::join(parameters, ", ")));
+      for (const auto& used : number.paths())
+        if (subject.machines.empty() && !used.starts_with("law.") && !fitted(used) && !reader.document.at_path(used))
+          throw InputError(fmt::format("{}: the scene has no {}; give it", path, used));
+    });
+  }
+  return found;
+}
+
 }  // namespace
 
 bool fits_stick_slip(const toml::node& fit) { return has_data(fit, "stick-slip"); }
@@ -693,7 +722,7 @@ void read_fit(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
   auto& task = scene.task<tasks::Fit>();
   auto& options = task.options;
-  table.expect({"parameters", "data", "candidates", "starts", "seed", "profiles", "folds", "confidence"});
+  table.expect({"parameters", "data", "candidates", "starts", "seed", "profiles", "folds", "confidence", "derived"});
   const auto& data = table.required("data", "tables with type and file");
   std::vector<MachineOfData> machines;
   std::size_t number = 0;
@@ -719,21 +748,24 @@ void read_fit(scene::Table table, scene::SceneReader& reader) {
   };
   auto own = subject(scene.model, nullptr);
   auto parameters = read_parameters(table.required("parameters", "paths, such as law.a"), "fit.parameters", own);
-  task.candidates.push_back({std::string(scene.model.law->card().name), std::move(own), std::move(parameters)});
+  auto derived = read_derived(table, reader, own, parameters);
+  task.candidates.push_back(
+      {std::string(scene.model.law->card().name), std::move(own), std::move(parameters), std::move(derived)});
   if (const auto* candidates = table.find("candidates"))
     for (const auto& element : scene::list(*candidates, "fit.candidates", "tables", scene::most_names)) {
       scene::Table keys(element, "fit.candidates");
-      keys.expect({"name", "law", "parameters"});
+      keys.expect({"name", "law", "parameters", "derived"});
       auto model = scene.model;
       model.lambda = 1;
       model.contact_stiffness = {};
       model.load_memory = 0;
       const auto& law = keys.required("law", "the friction law");
       scene::read_law(reader, scene::Table(law, "fit.candidates.law"), model);
-      tasks::Fit::Candidate candidate{std::string(model.law->card().name), subject(model, &law), {}};
+      tasks::Fit::Candidate candidate{std::string(model.law->card().name), subject(model, &law), {}, {}};
       if (const auto* name = keys.find("name")) candidate.name = scene::text(*name, keys.path("name"));
       candidate.parameters =
           read_parameters(keys.required("parameters", "paths"), "fit.candidates.parameters", candidate.subject);
+      candidate.derived = read_derived(keys, reader, candidate.subject, candidate.parameters);
       keys.finish();
       for (const auto& other : task.candidates)
         if (other.name == candidate.name)

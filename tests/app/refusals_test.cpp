@@ -127,6 +127,9 @@ TEST_CASE("a servo says what it needs", "[refusals][servo]") {
                                    std::pair{"{ reference = 1 }", "oscillator.servo has no effect without a gain"},
                                    std::pair{"{ kp = -1 }", "oscillator.servo.kp = -1"},
                                    std::pair{"{ coordinate = 2, kp = 1 }", "oscillator.servo.coordinate"},
+                                   std::pair{"{ kp = 1, feedforward = 2 }", "feedforward has no effect"},
+                                   std::pair{"{ kp = 1, limit = 0 }", "oscillator.servo.limit = 0"},
+                                   std::pair{"{ kp = 1, limit = 2, anti_windup = 1 }", "anti_windup has no effect"},
                                    std::pair{"{ kp = 1, reference = '1 N' }", "oscillator.servo.reference"}}) {
     const auto printed = with(servo);
     INFO(servo);

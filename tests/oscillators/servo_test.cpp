@@ -1,11 +1,14 @@
 /// Servos that hunt, and coordinates without mass: against an independent integrator and equal structures.
 #include "oscillators/servo.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "analysis/cycles/structure_cycle.hpp"
+#include "analysis/motion/structure_run.hpp"
 #include "laws/catalogue.hpp"
+#include "oscillators/structure_system.hpp"
 
 using namespace rosin;
 using namespace rosin::oscillators;
@@ -127,4 +130,106 @@ TEST_CASE("what neither moves nor feeds itself has no periodic motion", "[servo]
   CHECK_FALSE(dies_out.feeds_itself());
   C(1, 1) = -0.1;
   CHECK(by_matrices(Eigen::Matrix2d::Identity(), C, K).feeds_itself());
+}
+
+namespace {
+
+/// Coefficients c0 + c1 t + c2 t² of an integral f that obeys f' + f/T = p(t) from f(0) = 0.
+double followed(double T, const Eigen::Vector3d& p, double t) {
+  const double c2 = T * p[2], c1 = T * (p[1] - 2 * c2), c0 = T * (p[0] - c1);
+  return c0 + c1 * t + c2 * t * t - c0 * std::exp(-t / T);
+}
+
+analysis::motion::Run run_from_rest(Structure structure, const std::vector<double>& times) {
+  auto model = moving_from_rest(std::move(structure));
+  analysis::motion::RunOptions options;
+  options.times = times, options.duration = times.back(), options.tolerance = 1e-10;
+  return analysis::motion::run_structure(model, options);
+}
+
+const std::vector<double>& column(const analysis::motion::Run& run, const std::string& name) {
+  return run.columns[std::size_t(std::ranges::find(run.column_names, name) - run.column_names.begin())];
+}
+
+}  // namespace
+
+TEST_CASE("a servo at its limit accelerates its mass steadily until its force falls below", "[servo]") {
+  // kp (1 − x) − kd ẋ with kp = 10, kd = 2 begins above L = 3 N; less 1 N of friction 1 kg moves by x = t², up to
+  // 10 − 10 t² − 4 t = 3. From there it is the oscillator x'' + 2 x' + 10 x = 9, of ω = 3.
+  const auto structure =
+      with_servo(one_slider(carriage(1.0, 1.0)),
+                 {.coordinate = 0, .proportional = 10, .integral = 0, .derivative = 2, .reference = 1.0, .limit = 3});
+  const double leaves = (-4 + std::sqrt(296.0)) / 20, peak = 1.0;
+  const auto run = run_from_rest(structure, {0.0, 0.2, 0.4, 0.6, leaves, 0.8, peak});
+  REQUIRE(run.outcome.complete());
+  const auto& x = column(run, "displacement");
+  for (std::size_t i = 0; i < 5; ++i) CHECK(x[i] == Approx(run.time[i] * run.time[i]).margin(1e-9));
+  const double a = leaves * leaves - 0.9, b = (2 * leaves + a) / 3;
+  for (std::size_t i = 5; i < 7; ++i) {
+    const double s = run.time[i] - leaves;
+    CHECK(x[i] == Approx(0.9 + std::exp(-s) * (a * std::cos(3 * s) + b * std::sin(3 * s))).margin(1e-8));
+  }
+  CHECK(run.metrics.at("energy_residual") < 1e-8);
+}
+
+TEST_CASE("the integral of a servo goes on at its limit, or follows it within its anti-windup time", "[servo]") {
+  // As above, with ki = 4 and x = t² throughout: f = 4 (t − t³/3), or f' + f/T = 4 (1 − x) − (10 (1 − x) − 4 t − 3)/T.
+  Servo servo{.coordinate = 0, .proportional = 10, .integral = 4, .derivative = 2, .reference = 1.0, .limit = 3};
+  const std::vector<double> times = {0.0, 0.1, 0.3, 0.5};
+  const auto wound = run_from_rest(with_servo(one_slider(carriage(1.0, 1.0)), servo), times);
+  servo.anti_windup = 0.5;
+  const auto followed_limit = run_from_rest(with_servo(one_slider(carriage(1.0, 1.0)), servo), times);
+  const double T = servo.anti_windup;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const double t = times[i];
+    INFO(t);
+    CHECK(column(wound, "displacement")[i] == Approx(t * t).margin(1e-9));
+    CHECK(column(wound, "servo_force")[i] == Approx(4 * (t - t * t * t / 3)).margin(1e-8));
+    const double f = followed(T, {4 - 7 / T, 4 / T, -4 + 10 / T}, t);
+    if (10 - 10 * t * t - 4 * t + f > 3) {
+      CHECK(column(followed_limit, "displacement")[i] == Approx(t * t).margin(1e-9));
+      CHECK(column(followed_limit, "servo_force")[i] == Approx(f).margin(1e-8));
+    }
+  }
+}
+
+TEST_CASE("steady sliding beyond the limit of a servo is refused with the force that it needs", "[servo]") {
+  auto model = carriage(0.5, 0.4);
+  model.drive.speed = 1.0, model.drive.normal_load = 10.0;
+  const auto held = [&](double limit) {
+    return StructureSystem(with_servo(
+        one_slider(model),
+        {.coordinate = 0, .proportional = 100, .integral = 0, .derivative = 1, .reference = 0.0, .limit = limit}));
+  };
+  CHECK_NOTHROW(held(4.1).steady(0));
+  CHECK_THROWS_WITH(held(3.9).steady(0), Contains("-4 N of the servo, whose limit is 3.9 N"));
+}
+
+TEST_CASE("feedforward makes up for the lag of a derivative on a ramp, but for that of friction", "[servo]") {
+  // At a steady speed w kp (r − x) = (kd − c) w + friction.
+  const Servo servo{.coordinate = 0,
+                    .proportional = 50,
+                    .integral = 0,
+                    .derivative = 10,
+                    .feedforward = 7,
+                    .reference = Signal(Signal::Ramp{0, 0.5})};
+  const auto run = run_from_rest(with_servo(one_slider(carriage(0.4, 0.3)), servo), {0.0, 9.0, 10.0});
+  REQUIRE(run.outcome.complete());
+  CHECK(column(run, "displacement").back() == Approx(0.5 * 10 - ((10 - 7) * 0.5 + 0.3) / 50).epsilon(1e-9));
+}
+
+TEST_CASE("feedforward of harmonics has the gain and phase of its transfer function", "[servo]") {
+  // x/r = (kp + iωc)/(kp − mω² + iω kd) without friction.
+  const Signal swings(Signal::Harmonics{0, {{0.1, 4, 0.3}}});
+  const Servo servo{
+      .coordinate = 0, .proportional = 30, .integral = 0, .derivative = 3, .feedforward = 5, .reference = swings};
+  const auto cycle = find_cycle(moving_from_rest(with_servo(one_slider(carriage(0, 0)), servo)), {.tolerance = 1e-9});
+  REQUIRE(cycle.outcome.complete());
+  const double wanted = 0.1 * std::hypot(30, 4 * 5) / std::hypot(30 - 16, 4 * 3);
+  const auto& most = cycle.metrics.at("displacement_max");
+  CHECK(std::abs(most.value - wanted) < most.error + 1e-9);
+  const Signal jumps(Signal::Steps{{{0, 0}, {1, 1}}});
+  auto stepped = servo;
+  stepped.reference = jumps;
+  CHECK_THROWS_WITH(with_servo(one_slider(carriage(0, 0)), stepped), Contains("a ramp or harmonics"));
 }

@@ -5,7 +5,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "analysis/steady/structure_hopf.hpp"
 #include "laws/catalogue.hpp"
+#include "laws/formula.hpp"
 #include "tests/two_state_slip.hpp"
 
 using namespace rosin;
@@ -265,4 +267,83 @@ TEST_CASE("a closed curve in two parameters is followed once round", "[branches]
     angle += std::atan2(before.p * at.q - before.q * at.p, before.p * at.p + before.q * at.q);
   }
   CHECK(std::abs(angle) == Approx(2 * 3.14159265358979).epsilon(1e-6));
+}
+
+TEST_CASE("onset turns from soft to hard where the third derivative of the friction curve is 0", "[branches]") {
+  // Friction 0.5 + 0.5 e^(−V²): averaging gives Re c₁/ω = −N μ''' V²/(16 m ω), whatever μ'' is, because a force ẋ²
+  // alone is reversible; μ''' = (6 V − 4 V³) e^(−V²) is 0 at V = √(3/2), and the damping there is V e^(−V²).
+  Model model;
+  model.law = laws::find_law("stribeck")->with({1.0, 0.5, 1.0, 2.0, 0.0});
+  model.slider = {1, 2, 0.2};
+  model.drive.normal_load = 1.0, model.drive.speed = 1.0;
+  const auto family = over(model, "drive.speed", "oscillator.damping");
+  const double V = std::sqrt(1.5), c = V * std::exp(-1.5), w = std::sqrt(2.0);
+  const auto curvature = [](double v) { return (6 * v - 4 * v * v * v) * std::exp(-v * v); };
+  LocusOptions options;
+  options.p = {0.9, 2.0, false}, options.q = {0.1, 0.38, false};
+  for (const bool as_structure : {false, true}) {
+    options.normal_form = [&](double p, double q, double angular_frequency) {
+      const auto here = model.with("drive.speed", p).with("oscillator.damping", q);
+      return as_structure
+                 ? analysis::steady::normal_form(oscillators::one_slider(here), std::complex(0.0, angular_frequency))
+                 : analysis::steady::normal_form(here, angular_frequency);
+    };
+    Branches found;
+    const double at = 1.3843;  // V e^(−V²) = 0.2037
+    found.crossings.push_back({at, 1e-4, false, w});
+    const auto curves = find_loci(family, found, at * std::exp(-at * at), options).curves;
+    const auto& hopf = of(curves, "hopf");
+    for (const auto& point : hopf.points)
+      CHECK(point.metrics.at("first_lyapunov_coefficient") ==
+            Approx(-curvature(point.p) * point.p * point.p / (16 * w)).margin(1e-7));
+    REQUIRE(hopf.events.size() == 1);
+    const auto& bautin = hopf.events[0];
+    INFO(bautin.at.p << " ± " << bautin.at.p_error << ", " << bautin.at.q << " ± " << bautin.at.q_error);
+    CHECK(bautin.kind == "bautin");
+    CHECK(std::abs(bautin.at.p - V) < bautin.at.p_error);
+    CHECK(std::abs(bautin.at.q - c) < bautin.at.q_error);
+    CHECK(bautin.at.p_error < 1e-6);
+  }
+}
+
+TEST_CASE("a torus meets its strong resonances where the drive is three and four times as fast", "[branches]") {
+  // Friction falls linearly, so that sliding under a force is a linear oscillator: its multipliers are
+  // e^((−(c − β)/2 ± iω) 2π/Ω), on the unit circle at c = β with the angle 2π/Ω for k = m.
+  laws::FormulaDescription description;
+  constexpr Range finite{-1e300, 1e300};
+  description.parameters = {{{"mu0", "1", finite, "mu0"}, 0.5}, {{"beta", "s/m", finite, "beta"}, 0.1}};
+  description.friction = "mu0 - beta*v", description.static_limit = "mu0";
+  const auto law = laws::make_formula(description);
+  const Family2 family = [&](double damping, double angular_frequency) {
+    Model model;
+    model.law = law;
+    model.slider = {1, 1, damping};
+    model.drive.speed = 1.0, model.drive.normal_load = 1.0;
+    model.drive.force = Signal(Signal::Harmonics{0, {{0.2, angular_frequency, 0}}});
+    return oscillator_of(model);
+  };
+  Model start;
+  start.law = law;
+  start.slider = {1, 1, 0.2};
+  start.drive.speed = 1.0, start.drive.normal_load = 1.0;
+  start.drive.force = Signal(Signal::Harmonics{0, {{0.2, 3.3, 0}}});
+  const auto settled = settle(start, 1e-9);
+  REQUIRE(settled.outcome.complete());
+  BranchOptions along;
+  along.parameter = {0.2, 0.05, false};
+  const auto found = from_cycle([&](double p) { return family(p, 3.3); }, settled, 0.2, along);
+  LocusOptions options;
+  options.p = along.parameter, options.q = {2.7, 4.8, false}, options.points = 5;
+  const auto curves = find_loci(family, found, 3.3, options).curves;
+  const auto& torus = of(curves, "torus");
+  REQUIRE(torus.events.size() == 2);
+  const char* kinds[] = {"resonance-1:3", "resonance-1:4"};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto& [kind, at] = torus.events[k];
+    INFO(kind << " " << at.p << " ± " << at.p_error << ", " << at.q << " ± " << at.q_error);
+    CHECK(kind == kinds[k]);
+    CHECK(std::abs(at.q - double(3 + k)) < at.q_error);
+    CHECK(std::abs(at.p - 0.1) < at.p_error + 1e-12);
+    CHECK(at.q_error < 1e-5);
+  }
 }

@@ -203,3 +203,48 @@ to = 0.8
   CHECK(answer.status == 2);
   CHECK_THAT(answer.error, Contains("does not vary continuously along the parameter"));
 }
+
+TEST_CASE("motions that coexist are followed from a start each, and one that two starts lead to once",
+          "[app][branches][long]") {
+  // Short of its stop the block is a linear oscillator, of the amplitude F/√((k − m ω²)² + (c ω)²); with more speed it
+  // beats the stop, up to a fold.
+  const Folder folder;
+  write(folder, "two.toml", R"(
+[law]
+type = "coulomb"
+mu_s = 0
+mu_d = 0
+[oscillator]
+mass = 1
+stiffness = 1
+damping = 0.05
+stops = [{ coordinate = 1, at = 1, stiffness = 20 }]
+[drive]
+speed = 0
+normal_load = 1
+force = { mean = 0, harmonics = [{ amplitude = 0.3, angular_frequency = 1.3 }] }
+[branch]
+parameter = "drive.force.harmonics.1.angular_frequency"
+from = 1.3
+to = 1.6
+start = [{ velocity = 0 }, { velocity = 1.5 }, { velocity = 0.01 }]
+)");
+  const auto answer = run_rosin(folder, "branch two.toml --no-pictures --json");
+  INFO(answer.error);
+  REQUIRE(answer.status == 0);
+  const auto document = nlohmann::json::parse(answer.out);
+  REQUIRE(document["branches"].size() == 2);
+  CHECK_THAT(document["notes"].dump(), Contains("start 3: its motion is that of branch 0"));
+  double beats = 0;
+  for (const auto& point : document["points"]) {
+    const double w = point["value"], most = point["metrics"]["displacement_max"];
+    if (point["branch"] == 0)
+      CHECK(most == Approx(0.3 / std::hypot(1 - w * w, 0.05 * w)).epsilon(1e-7));
+    else
+      beats = std::max(beats, most);
+  }
+  CHECK(beats > 1.4);
+  REQUIRE(document["events"].size() == 1);
+  CHECK(document["events"][0]["kind"] == "fold");
+  CHECK(document["events"][0]["branch"] == 1);
+}

@@ -126,6 +126,36 @@ TEST_CASE("keys that a measurement does not listen to, and programs that say thi
   CHECK_THAT(twice.error, Contains("a combination of it with data.1.base"));
 }
 
+TEST_CASE("derived numbers stand beside the parameters, and what cannot be derived is refused", "[fit-command]") {
+  const Folder folder;
+  const auto derived = [&](const std::string& table) {
+    return run_rosin(folder, "fit " ROSIN_SOURCE_DIR
+                             "/cases/rate-and-state/critical-stiffness-from-a-steady-curve.toml --no-pictures --json "
+                             "--set fit.derived='" +
+                                 table + "'");
+  };
+  const auto found = derived("{ \"a-b\" = \"law.a - law.b\" }");
+  REQUIRE(found.status == 0);
+  const auto document = nlohmann::json::parse(found.out);
+  const auto &number = document["derived"]["a-b"], &a = document["parameters"]["law.a"];
+  CHECK(number["value"].get<double>() == Approx(-0.005).epsilon(1e-9));
+  CHECK(number["unit"] == "1");
+  CHECK(number["formula"] == "law.a - law.b");
+  CHECK(number["standard_error"].get<double>() == Approx(a["standard_error"].get<double>()).epsilon(1e-9));
+  CHECK(document["ranking"][0]["derived"] == document["derived"]);
+  for (const auto& [table, why] :
+       {std::pair{"{ k = \"law.a - law.L\" }", "their units differ"},
+        std::pair{"{ k = \"law.aa\" }", "did you mean 'law.a'?"},
+        std::pair{"{ k = \"law.b*2\" }", "holds no number that is fitted"},
+        std::pair{"{ k = \"law.a*drive.speed\" }", "the scene has no drive.speed"},
+        std::pair{"{ \"law.a\" = \"law.a\" }", "take another"}, std::pair{"[1]", "a table of formulas"}}) {
+    const auto refused = derived(table);
+    INFO(table);
+    CHECK(refused.status == 2);
+    CHECK_THAT(refused.error, Contains(why));
+  }
+}
+
 TEST_CASE("the catalogue of a run's slip events is data of a fit", "[fit-command]") {
   const Folder folder;
   const std::string model =
