@@ -4,11 +4,21 @@
 
 namespace rosin {
 
+/// Work on 32 lanes, of which the last packs are left out while nobody uses them.
+class LaneWork {
+ public:
+  virtual ~LaneWork() = default;
+  /// From now on the lanes of the first `packs` packs are worked on; those of the others hold what they happen to.
+  virtual void use_packs(int packs) { packs_ = packs; }
+
+ protected:
+  int packs_ = lane_packs;
+};
+
 /// 32 systems M·ẏ = f(y) with diagonal M whose zero rows are algebraic, one in each lane. Arrays hold one Lanes for
 /// each unknown.
-class LaneSystem {
+class LaneSystem : public LaneWork {
  public:
-  virtual ~LaneSystem() = default;
   virtual int size() const = 0;
   /// Diagonal of M.
   virtual void mass(Lanes* m) const = 0;

@@ -415,7 +415,7 @@ class Surroundings {
 
 /// The contact of law L for one system (Real = double) or for 32 (Real = Lanes).
 template <template <class> class L, class Real>
-class LawContact final : public Contact<Real> {
+class LawContact final : public Contact<Real>, public Portions<Real> {
   using Part = Portion<Real>;
   using Scalar = typename Part::Scalar;
   using Wide = WidePortion<Real>;
@@ -445,7 +445,7 @@ class LawContact final : public Contact<Real> {
 
   void steady_friction(const Real& u, const Real& N, Real& mu) const override {
     on_lanes<Real>([&] {
-      for (int p = 0; p < Part::count; ++p)  // asked too seldom for kernels twice as wide
+      for (int p = 0; p < this->portions(); ++p)  // asked too seldom for kernels twice as wide
         Part::of(mu, p) =
             detail::steady_coefficient(detail::Written<L, Scalar>{steady_law_[p]},
                                        Sliding<Scalar>{Part::of(u, p), Part::of(N, p)}, setup_.rows().equilibrium);
@@ -473,7 +473,7 @@ class LawContact final : public Contact<Real> {
 
  private:
   ROSIN_INLINE void evaluate_here(const ContactInput<Real>& in, const Real* z, Real* g, Real& F) const {
-    for (int p = 0; p < Wide::count; ++p) {
+    for (int p = 0; p < this->wide_portions(); ++p) {
       WideScalar part_z[states + 1] = {}, part_g[states + 1] = {}, part_F;
       const int n = unknowns();
       for (int i = 0; i < n; ++i) part_z[i] = Wide::get(z[i], p);
@@ -488,7 +488,7 @@ class LawContact final : public Contact<Real> {
 
   ROSIN_INLINE void linearise_here(const ContactInput<Real>& in, const Real* z, Real* g, Real& F,
                                    Slopes<Real>& slopes) const {
-    for (int p = 0; p < Part::count; ++p) {
+    for (int p = 0; p < this->portions(); ++p) {
       const int n = unknowns();
       Derivative part_z[states + 1], part_g[states + 1], part_F;
       for (int i = 0; i < n; ++i) part_z[i] = Derivative::variable(Part::of(z[i], p), i);

@@ -2,6 +2,7 @@
 #pragma once
 #include "core/dual.hpp"
 #include "core/instruction_set.hpp"
+#include "core/lane_system.hpp"
 
 namespace rosin::laws {
 
@@ -37,6 +38,20 @@ struct WidePortion<Lanes> {
   ROSIN_INLINE static void set(Lanes& x, int i, const PackPair& value) {
     for (int k = 0; k < 2; ++k) x.pack[2 * i + k] = value.half[k];
   }
+};
+
+/// How many portions a contact works on: of lanes those with a pack in use.
+template <class Real>
+class Portions {
+ protected:
+  static constexpr int portions() { return Portion<Real>::count; }
+  static constexpr int wide_portions() { return WidePortion<Real>::count; }
+};
+template <>
+class Portions<Lanes> : public LaneWork {
+ protected:
+  int portions() const { return packs_; }
+  int wide_portions() const { return (packs_ + 1) / 2; }
 };
 
 /// Runs a kernel once, on the instruction set in use if it works on packs.

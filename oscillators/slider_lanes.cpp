@@ -7,15 +7,13 @@
 
 namespace rosin::oscillators {
 
-namespace {
-/// Applies an operation to each pack of the lanes.
+/// Applies an operation to each pack of the lanes in use.
 template <class Kernel>
-void for_each_pack(const Kernel& kernel) {
+void SliderLanes::for_each_pack(const Kernel& kernel) const {
   run_on_lanes([&] {
-    for (int p = 0; p < lane_packs; ++p) kernel(p);
+    for (int p = 0; p < packs_; ++p) kernel(p);
   });
 }
-}  // namespace
 
 SliderLanes::SliderLanes(const SliderSystem& pattern)
     : law_(pattern.model().law),
@@ -30,6 +28,11 @@ SliderLanes::SliderLanes(const SliderSystem& pattern)
   mechanical_ = pattern.size() - contact_->unknowns();
   scale_.resize(size());
   for (int lane = 0; lane < lane_count; ++lane) load(lane, pattern);
+}
+
+void SliderLanes::use_packs(int packs) {
+  LaneWork::use_packs(packs);
+  if (auto* work = dynamic_cast<LaneWork*>(contact_.get())) work->use_packs(packs);
 }
 
 bool SliderLanes::fits(const SliderSystem& slider) const {

@@ -23,6 +23,7 @@ class SliderLanes final : public LaneSystem {
   void set_direction(int lane, double direction) { direction_.set(lane, direction); }
   const Lanes& direction() const { return direction_; }
 
+  void use_packs(int packs) override;
   int size() const override { return mechanical_ + contact_->unknowns(); }
   void mass(Lanes* m) const override;
   void evaluate(const Lanes* y, Lanes* f) const override;
@@ -37,6 +38,8 @@ class SliderLanes final : public LaneSystem {
   void pace(const Lanes* y, Lanes& growth_rate, Lanes& acceleration) const;
 
  private:
+  template <class Kernel>
+  void for_each_pack(const Kernel&) const;
   void mechanics(const Lanes* y, const Lanes& F, Lanes* f) const;
   void imposed_slip_rate(const Lanes* y, Lanes& u) const;
   void forgive_states(const Lanes* jacobian, Lanes* s) const;

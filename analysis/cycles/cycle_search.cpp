@@ -371,6 +371,14 @@ class CycleSearch {
     return {oscillators::one_slider(model), std::move(start)};
   }
 
+  /// True if friction may change the energy of an oscillation with this |v − V|/V by so much in a period that the ends
+  /// of returns show it well: it does the work 4 μ N s over the way 4 s, and the energy is k s²/2.
+  bool friction_shows_in_return(double amplitude) const {
+    constexpr double clearly = 1e-3;
+    const auto& model = map_.system().model();
+    const double mu = model.law->steady_friction({map_.drive_speed(), model.drive.normal_load.level()}).friction;
+    return 8 * mu * friction_over_swing(model) > clearly * amplitude;
+  }
   bool steady_is_stable() const { return growth_about_steady_ < 0; }
   double distance_from_steady(const std::vector<double>& y) const { return map_.distance(y, map_.system().steady(0)); }
   bool attracts(const std::optional<FixedPoint>& candidate) const {
@@ -425,7 +433,7 @@ class CycleSearch {
       // A trial that takes far longer has fallen into stick or onto steady sliding.
       constexpr long times = 20, few = 1'000;
       map_.allow(times * longest_return_steps_ + few);
-      const bool slow = k <= relaxed && std::has_single_bit(unsigned(k)) &&
+      const bool slow = k <= relaxed && std::has_single_bit(unsigned(k)) && !friction_shows_in_return(amplitude) &&
                         (extrapolation.relative_change() < hardly_changes ||
                          friction_over_swing(map_.system().model()) < weak_friction);
       Attempt attempted = Attempt::goes_on;

@@ -93,7 +93,7 @@ template <std::size_t n>
 void ReturnLanes::interpolate(const double (&theta)[n],
                               std::array<Lanes, solvers::lanes::Ensemble::capacity> (&y)[n]) const {
   run_on_lanes([&] {
-    for (int p = 0; p < lane_packs; ++p)
+    for (int p = 0; p < packs_; ++p)
       for (int i = 0; i < sliders_.size(); ++i) {
         const auto unknown = ensemble_.polynomial_of_pack(p, i);
         ROSIN_UNROLL
@@ -421,7 +421,7 @@ void ReturnLanes::bound_switching_steps() {
   sliders_.pace(ensemble_.unknowns(), growth_rate, acceleration);
   run_on_lanes([&] {
     const Pack zero = 0.0, unbounded = infinity;
-    for (int p = 0; p < lane_packs; ++p) {
+    for (int p = 0; p < packs_; ++p) {
       const Pack u = ensemble_.unknown(slip_rate_index).pack[p], rate = acceleration.pack[p];
       const Mask slips = abs(sliders_.direction().pack[p]) > zero;
       const Mask slows = (u * rate < zero) & (abs(u) > rest_floor_.pack[p]);
@@ -438,7 +438,7 @@ void ReturnLanes::flag_events() {
   const bool extremes = recording_.extremes;
   run_on_lanes([&] {
     const Pack zero = 0.0, one = 1.0;
-    for (int p = 0; p < lane_packs; ++p) {
+    for (int p = 0; p < packs_; ++p) {
       const auto holds = [&](const Lanes& x) __attribute__((always_inline)) { return x.pack[p] > zero; };
       const Pack v = section_.pack[p], V = V_.pack[p];
       const Pack u0 = ensemble_.unknown_before(slip_rate_index).pack[p];
@@ -485,7 +485,7 @@ void ReturnLanes::update_extremes() {
   Lanes bounds;
   run_on_lanes([&] {
     const Pack zero = 0.0, one = 1.0;
-    for (int p = 0; p < lane_packs; ++p) {
+    for (int p = 0; p < packs_; ++p) {
       const Mask good = ensemble_.accepted_of_pack(p) & !(flagged_.pack[p] > zero);
       const Pack v = section_.pack[p], V = V_.pack[p], departure = abs(v - V);
       const auto update = [&](Lanes & x, const Pack& value) __attribute__((always_inline)) {
@@ -558,7 +558,7 @@ void ReturnLanes::end(int lane, ReturnQueue& queue) {
 /// Slopes of slip rate and friction at both ends of the last step.
 void ReturnLanes::measure_steps() {
   run_on_lanes([&] {
-    for (int p = 0; p < lane_packs; ++p) {
+    for (int p = 0; p < packs_; ++p) {
       const auto slip_rate = ensemble_.polynomial_of_pack(p, slip_rate_index);
       for (int end = 0; end < 2; ++end) slip_rate_slope_[end].pack[p] = slip_rate.slope(Pack(double(end)));
       if (friction_index_ < 0 || !recording_.extremes) continue;
@@ -578,7 +578,7 @@ void ReturnLanes::measure_steps() {
   sliders_.friction_coefficient(y[1].data(), inside[0]);
   sliders_.friction_coefficient(y[2].data(), inside[1]);
   sliders_.friction_coefficient(y[3].data(), friction_[1]);
-  for (int p = 0; p < lane_packs; ++p) {
+  for (int p = 0; p < packs_; ++p) {
     friction_slope_[0].pack[p] = (1 / d) * (inside[0].pack[p] - friction_[0].pack[p]);
     friction_slope_[1].pack[p] = (1 / d) * (friction_[1].pack[p] - inside[1].pack[p]);
   }
@@ -590,7 +590,7 @@ void ReturnLanes::measure_steps() {
 void ReturnLanes::accumulate() {
   if (friction_index_ < 0) return accumulate_at_nodes();
   run_on_lanes([&] {
-    for (int p = 0; p < lane_packs; ++p) {
+    for (int p = 0; p < packs_; ++p) {
       const Mask counts = counted_.pack[p] > Pack(0.0);
       const auto add = [&](Lanes & sum, const Pack& part) __attribute__((always_inline)) {
         sum.pack[p] = sum.pack[p] + select(counts, part, Pack(0.0));
@@ -616,7 +616,7 @@ void ReturnLanes::accumulate_at_nodes() {
   interpolate(node, y);
   for (int k = 0; k < nodes; ++k) sliders_.friction_coefficient(y[k].data(), mu[k]);
   run_on_lanes([&] {
-    for (int p = 0; p < lane_packs; ++p) {
+    for (int p = 0; p < packs_; ++p) {
       const auto slip_rate = ensemble_.polynomial_of_pack(p, slip_rate_index);
       const Mask counts = counted_.pack[p] > Pack(0.0);
       const auto add = [&](Lanes & sum, const Pack& part) __attribute__((always_inline)) {
@@ -664,9 +664,18 @@ ReturnLanes::Arrival ReturnLanes::follow(int lane) {
   return Arrival::retaken;
 }
 
+void ReturnLanes::leave_idle_packs_out() {
+  int used = lane_count;
+  while (used > 0 && !lanes_[used - 1].task) --used;
+  packs_ = (used + pack_width - 1) / pack_width;
+  ensemble_.use_packs(packs_);
+  sliders_.use_packs(packs_);
+}
+
 void ReturnLanes::run(ReturnQueue& queue) {
   int working = 0;
   for (int lane = 0; lane < lane_count; ++lane) working += take(lane, queue);
+  leave_idle_packs_out();
   while (working > 0) {
     end_if_stopped();
     if (switches_) bound_switching_steps();
@@ -681,7 +690,7 @@ void ReturnLanes::run(ReturnQueue& queue) {
       lanes_[lane].task->ending = how;
       any_ended = ended[lane] = true;
     };
-    for (int lane = 0; lane < lane_count; ++lane) {
+    for (int lane = 0; lane < packs_ * pack_width; ++lane) {
       const Lane& at = lanes_[lane];
       if (at.task && attempts_ - at.begun > most_tries) flagged_.set(lane, 1);
       if (!(flagged_[lane] > 0)) continue;
@@ -709,6 +718,7 @@ void ReturnLanes::run(ReturnQueue& queue) {
       if (ended[lane]) end(lane, queue);
     for (int lane = 0; lane < lane_count; ++lane)
       if (ended[lane] || !lanes_[lane].task) working += take(lane, queue) - ended[lane];
+    leave_idle_packs_out();
   }
 }
 

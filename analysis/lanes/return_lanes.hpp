@@ -90,6 +90,8 @@ class ReturnLanes {
   };
 
   bool take(int lane, ReturnQueue&);
+  /// Packs up to the last lane with a task are worked on.
+  void leave_idle_packs_out();
   /// The first event in the last step, for which it must be retaken; none if there is none.
   Event first_event(int lane);
   enum class Arrival { continues, retaken, finished, switched, given_up };
@@ -138,7 +140,8 @@ class ReturnLanes {
   bool rigid_;
   bool switches_;  ///< the law is set-valued
   std::array<Lane, lane_count> lanes_;
-  // Idle lanes compute too; their values are finite and without meaning.
+  int packs_ = lane_packs;  ///< in use
+  // Idle lanes of packs in use compute too; their values are finite and without meaning.
   Lanes near_rest_{};          ///< decrease of the slip rate allowed in any step before a reversal; 0: no bound
   Lanes section_{}, creep_{};  ///< contact slip rate, and at the end of the last step taken
   Lanes slip_rate_slope_[2]{}, friction_slope_[2]{};  ///< at both ends of the step, by θ

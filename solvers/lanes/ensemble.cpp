@@ -183,20 +183,20 @@ void Ensemble::try_step(Size n) {
   system_.linearise(y_.data(), f_.data(), factors_.data());
   system_.scale(y_.data(), factors_.data(), scale_.data());
   run_on_lanes([&] {
-    for (int p = 0; p < lane_packs; ++p) factorise_pack(n, p);
+    for (int p = 0; p < packs_; ++p) factorise_pack(n, p);
   });
   [&]<std::size_t... s>(std::index_sequence<s...>) {
     const auto stage = [&]<int number>(std::integral_constant<int, number>) {
       if (number > 0) system_.evaluate(stage_.data(), f_.data());
       run_on_lanes([&] {
-        for (int p = 0; p < lane_packs; ++p) solve_stage<number>(n, p);
+        for (int p = 0; p < packs_; ++p) solve_stage<number>(n, p);
       });
     };
     (stage(std::integral_constant<int, int(s)>()), ...);
   }
   (std::make_index_sequence<Method::stages>());
   run_on_lanes([&] {
-    for (int p = 0; p < lane_packs; ++p) decide(n, p);
+    for (int p = 0; p < packs_; ++p) decide(n, p);
   });
 }
 

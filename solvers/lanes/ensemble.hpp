@@ -20,6 +20,8 @@ class Ensemble {
   /// \throws InputError for more unknowns than `capacity`.
   explicit Ensemble(const LaneSystem&);
 
+  /// As LaneWork::use_packs, of the steps; the system has its own.
+  void use_packs(int packs) { packs_ = packs; }
   /// Begins at y in one lane. Errors are measured by `tolerance` times the system's scale.
   void start(int lane, const double* y, double tolerance, double first_step);
   /// Steps of each lane must not exceed `longest` (s).
@@ -89,7 +91,7 @@ class Ensemble {
   void decide(Size n, int p);
 
   const LaneSystem& system_;
-  int size_;
+  int size_, packs_ = lane_packs;
   std::array<Lanes, capacity> y_, before_, tried_, stage_, f_, mass_, scale_;
   std::array<Lanes, capacity * capacity> factors_;  ///< LU without pivoting; the diagonal holds reciprocals
   std::array<std::array<Lanes, capacity>, Method::stages> U_;

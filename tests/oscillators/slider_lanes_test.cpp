@@ -124,3 +124,25 @@ TEST_CASE("lanes refuse what does not fit", "[slider-lanes]") {
   CHECK_FALSE(lanes.fits(SliderSystem(varying)));
   CHECK_THROWS_AS(SliderLanes{SliderSystem(varying)}, InputError);
 }
+
+TEST_CASE("packs that nobody uses are not worked on", "[slider-lanes]") {
+  const char* law = GENERATE("spinodal", "lugre");
+  const SliderSystem single(slider(laws::find_law(law), 1, 0.1, 0, 1));
+  SliderLanes lanes(single);
+  const int n = lanes.size();
+  const auto steady = single.steady(0);
+  std::vector<Lanes> y(steady.begin(), steady.end()), f(n, -7.0), J(n * n, -7.0);
+  constexpr int one = pack_width - 1, used = 2 * pack_width - 1, left_out = lane_count - 1;
+  lanes.use_packs(1);
+  lanes.linearise(y.data(), f.data(), J.data());
+  for (int i = 0; i < n; ++i) {
+    CHECK(f[i][one] != -7);
+    CHECK(f[i][used] == -7);
+    for (int j = 0; j < n; ++j) CHECK(J[i * n + j][used] == -7);
+  }
+  lanes.evaluate(y.data(), f.data());  // two packs side by side
+  for (int i = 0; i < n; ++i) CHECK(f[i][left_out] == -7);
+  lanes.use_packs(lane_packs);
+  lanes.linearise(y.data(), f.data(), J.data());
+  for (int i = 0; i < n; ++i) CHECK(f[i][left_out] == f[i][one]);
+}

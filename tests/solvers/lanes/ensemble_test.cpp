@@ -151,8 +151,9 @@ TEST_CASE("dense output and retaken steps meet the solution", "[ensemble]") {
 TEST_CASE("a lane does not see its neighbours, nor the instruction set", "[ensemble]") {
   const Driven system(100);
   const InstructionSet best = instruction_set();
-  const auto follow = [&](bool company) {
+  const auto follow = [&](bool company, int packs = lane_packs) {
     Ensemble ensemble(system);
+    ensemble.use_packs(packs);
     ensemble.start(5, system.exact(0).data(), 1e-6, 1e-3);
     if (company)
       for (int lane = 6; lane < lane_count; ++lane)
@@ -167,6 +168,7 @@ TEST_CASE("a lane does not see its neighbours, nor the instruction set", "[ensem
   };
   const auto alone = follow(false);
   CHECK(follow(true) == alone);
+  CHECK(follow(true, 1) == alone);
   for (const auto set : {InstructionSet::baseline, InstructionSet::v3}) {
     use_instruction_set(set);
     CHECK(follow(true) == alone);  // the same bits
