@@ -101,7 +101,7 @@ struct Workplace {
   Workplace() {
     fs::remove_all(path);
     fs::create_directories(path);
-    fs::create_directory_symlink(root / "examples", path / "examples");
+    for (const char* folder : {"examples", "cases"}) fs::create_directory_symlink(root / folder, path / folder);
   }
   ~Workplace() { fs::remove_all(path); }
 };

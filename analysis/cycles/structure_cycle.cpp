@@ -292,6 +292,8 @@ bool drive_is_antisymmetric(const Structure& structure, double period) {
     return left <= rounding * size;
   };
   return std::ranges::all_of(structure.force, [&](const Signal& f) { return reverses(f, -1); }) &&
+         std::ranges::all_of(structure.limited,
+                             [&](const oscillators::LimitedForce& of) { return reverses(of.command, -1); }) &&
          std::ranges::all_of(structure.contacts,
                              [&](const oscillators::FrictionContact& c) {
                                return reverses(c.speed, -1) && reverses(c.normal_load, 1) && c.normal.size() == 0;

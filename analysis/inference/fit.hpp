@@ -60,9 +60,9 @@ struct Fit {
   Model model;  ///< with the fitted values
   /// Those of the model, then terms of the laboratory: "data.1.trend", …, counted from 1.
   std::vector<FittedParameter> parameters;
-  /// Each by its name as path. Standard error g'Cg of its slopes g and the covariance C, also where the data know the
-  /// fitted numbers in this combination only; interval: its extremes over the ellipsoid of fitted variables in which
-  /// each of them alone has its own interval.
+  /// Each by its name as path. Standard error √(gᵀCg) of its slopes g and the covariance C, also where the data know
+  /// the fitted numbers in this combination only; interval: its extremes over the ellipsoid of fitted variables in
+  /// which each of them alone has its own interval.
   std::vector<FittedParameter> derived;
   std::vector<double> correlation;  ///< row-major, of the fitted variables
   double chi_square = 0;

@@ -23,6 +23,7 @@ double ComplexMode::damping_ratio() const {
 
 oscillators::Structure frozen(oscillators::Structure structure) {
   for (auto& force : structure.force) force = force.level();
+  for (auto& limited : structure.limited) limited.command = limited.command.level();
   for (auto& contact : structure.contacts) {
     contact.speed = contact.speed.level();
     contact.normal_load = contact.normal_load.level();

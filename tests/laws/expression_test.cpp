@@ -182,7 +182,7 @@ TEST_CASE("wrong expressions are refused at their token, with what to try", "[la
     INFO(c.text);
     const auto got = refused(c.text);
     CHECK_THAT(got.message, Catch::Contains(c.message));
-    CHECK_THAT(got.message, Catch::StartsWith("law.formula.test: "));
+    CHECK_THAT(got.message, Catch::StartsWith("test: "));
     CHECK(got.offset == c.offset);
   }
 }

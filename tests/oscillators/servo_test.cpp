@@ -7,6 +7,7 @@
 
 #include "analysis/cycles/structure_cycle.hpp"
 #include "analysis/motion/structure_run.hpp"
+#include "analysis/steady/structure_stability.hpp"
 #include "laws/catalogue.hpp"
 #include "oscillators/structure_system.hpp"
 
@@ -203,6 +204,12 @@ TEST_CASE("steady sliding beyond the limit of a servo is refused with the force 
   };
   CHECK_NOTHROW(held(4.1).steady(0));
   CHECK_THROWS_WITH(held(3.9).steady(0), Contains("-4 N of the servo, whose limit is 3.9 N"));
+  // About a reference that swings, it is that of the mean.
+  const Signal swings(Signal::Harmonics{0, {{1, 4, 0}}});
+  const auto moving = with_servo(
+      one_slider(model),
+      {.coordinate = 0, .proportional = 100, .integral = 0, .derivative = 1, .reference = swings, .limit = 4.1});
+  CHECK_NOTHROW(StructureSystem(analysis::steady::frozen(moving)).steady(0));
 }
 
 TEST_CASE("feedforward makes up for the lag of a derivative on a ramp, but for that of friction", "[servo]") {
