@@ -4,10 +4,9 @@
 #include <cmath>
 
 #include "analysis/cycles/return_map.hpp"
+#include "analysis/lanes/cycle_lanes.hpp"
 
 namespace bench {
-
-using rosin::analysis::cycles::find_cycle;
 
 rosin::oscillators::Model bristol_board(double N, double lambda) {
   rosin::oscillators::Model model;
@@ -39,7 +38,8 @@ Reading reading_of(const rosin::analysis::cycles::Metrics& m) {
 }
 
 Reading rosin_cycle(const Truth& at, double tolerance) {
-  const auto cycle = find_cycle(bristol_board(at.N, at.lambda), {.tolerance = tolerance, .multipliers = false});
+  const auto cycle = rosin::analysis::lanes::find_cycle(bristol_board(at.N, at.lambda),
+                                                        rosin::analysis::lanes::every_metric(tolerance));
   Reading r = reading_of(cycle.metrics);
   if (!cycle.outcome.complete())
     r.failure = cycle.outcome.ending == rosin::Ending::tolerance_not_met ? "says that the tolerance is not met"
@@ -83,7 +83,7 @@ Reading rosin_transient(const Truth& at, double tolerance) {
 }  // namespace
 
 Truth truth_of(double N, double lambda, double tolerance) {
-  const auto cycle = find_cycle(bristol_board(N, lambda), {.tolerance = tolerance});
+  const auto cycle = rosin::analysis::cycles::find_cycle(bristol_board(N, lambda), {.tolerance = tolerance});
   const auto& m = cycle.metrics;
   Truth t{N,
           lambda,

@@ -371,12 +371,16 @@ class CycleSearch {
     return {oscillators::one_slider(model), std::move(start)};
   }
 
-  /// True if friction may change the energy of an oscillation with this |v − V|/V by so much in a period that the ends
-  /// of returns show it well: it does the work 4 μ N s over the way 4 s, and the energy is k s²/2.
+  /// True if friction can change the energy of an oscillation with this |v − V|/V by so much in a period that the ends
+  /// of returns show it well: it does the work 4 μ N s over the way 4 s, and the energy is k s²/2. In fast slip it may
+  /// be all but gone.
   bool friction_shows_in_return(double amplitude) const {
     constexpr double clearly = 1e-3;
     const auto& model = map_.system().model();
-    const double mu = model.law->steady_friction({map_.drive_speed(), model.drive.normal_load.level()}).friction;
+    const auto friction_at = [&](double v) {
+      return std::abs(model.law->steady_friction({v, model.drive.normal_load.level()}).friction);
+    };
+    const double V = map_.drive_speed(), mu = std::min(friction_at(V), friction_at((1 + amplitude) * V));
     return 8 * mu * friction_over_swing(model) > clearly * amplitude;
   }
   bool steady_is_stable() const { return growth_about_steady_ < 0; }

@@ -269,14 +269,15 @@ class CycleQueue final : public ReturnQueue {
     if (cycle.tries > most_tries) return finish(*work, i);
     try {
       goes_on = advance(search, cycle);
+      if (cycle.found) search.start_at(search.fixed_point);
     } catch (const InputError&) {  // a step has left the range of the law
     }
     if (goes_on || (!cycle.found && begin_without_advice(search))) {
       waiting_.push_back(&task);
       return;
     }
-    // A cycle of uncertain attraction is still near this point.
-    if (!cycle.found && search.probed && !search.sticks)
+    // A cycle of uncertain attraction is still near where its test ended.
+    if (cycle.found || (search.probed && !search.sticks))
       cycle.near.assign(task.y.begin(), task.y.begin() + search.map.system().size());
     finish(*work, i);
   }
@@ -759,6 +760,37 @@ std::vector<LaneCycle> find_cycles(std::span<const Model> models, const LaneCycl
                 return std::nullopt;
               });
   return cycles;
+}
+
+cycles::Cycle find_cycle(const Model& model, const LaneCycleOptions& options) {
+  constexpr double tightest = 1e-7;  // below, steps of the order of collocation are so much longer that they win
+  model.check();
+  for (const auto& name : options.metrics) cycles::find_metric(name);  // which throws
+  const auto& drive = model.drive;
+  const bool smooth = !model.law->set_valued() && model.lambda != 0;  // else closed forms may answer
+  const bool moves = drive.constant() && drive.speed.level() > 0 && drive.normal_load.level() > 0;
+  LaneCycle lane;
+  if (smooth && moves && model.slider.stiffness > 0 && options.tolerance >= tightest)
+    lane = find_cycles(std::span(&model, 1), options).front();
+  if (!lane.found && !lane.dies_out)
+    return cycles::find_cycle(model, {.tolerance = options.tolerance,
+                                      .stick_threshold = options.stick_threshold,
+                                      .multipliers = false,
+                                      .near = lane.near});
+  cycles::Cycle cycle;
+  cycle.cost.steps = lane.tries;
+  if (lane.dies_out) {
+    cycle.outcome = {Ending::none_exists, "the motion started from stick dies out onto steady sliding"};
+    return cycle;
+  }
+  cycle.metrics = lane.metrics;
+  cycle.error = lane.error;
+  cycle.ill_conditioned_stick = lane.ill_conditioned_stick;
+  cycle.stable = true;
+  const auto seen = oscillators::SliderSystem(model).observe(0, lane.near.data());
+  cycle.section_displacement = seen.displacement;
+  cycle.section_state = seen.state;
+  return cycle;
 }
 
 }  // namespace rosin::analysis::lanes

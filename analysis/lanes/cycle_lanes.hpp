@@ -22,7 +22,7 @@ struct LaneCycle {
   cycles::Metrics metrics, error;  ///< the requested metrics; NaN for others
   bool ill_conditioned_stick = false;
   long tries = 0;            ///< step attempts
-  std::vector<double> near;  ///< where `found` is false: point on the section near which a cycle may lie; else empty
+  std::vector<double> near;  ///< point on the section: of the cycle, or near which one may lie; empty: none known
 };
 
 struct LaneCycleOptions {
@@ -38,6 +38,12 @@ LaneCycleOptions every_metric(double tolerance = 1e-6);
 /// for unknown metrics.
 std::vector<LaneCycle> find_cycles(std::span<const Model>, const LaneCycleOptions&,
                                    std::span<const GridPlace> places = {});
+
+/// The cycle of one slider, without its orbit and its multipliers. A lane finds loosely known ones in a fraction of the
+/// time that cycles::find_cycle takes, which answers where tolerances are tight and where lanes do not serve.
+/// Metrics that the options do not request are NaN, or known all the same. \throws InputError as cycles::find_cycle,
+/// and for unknown metrics.
+cycles::Cycle find_cycle(const Model&, const LaneCycleOptions&);
 
 /// Sliders whose cycles are searched for at one tolerance, and the cycles once all are done.
 struct CycleBatch {

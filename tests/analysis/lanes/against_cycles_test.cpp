@@ -91,3 +91,37 @@ TEST_CASE("lanes follow healing in the moment of a reversal", "[cycle-lanes]") {
   REQUIRE(lane.found);
   check_agreement(lane, cycle);
 }
+
+TEST_CASE("a cycle asked alone is a lane's where that is enough, and has the metrics of collocation", "[cycle-lanes]") {
+  // Weak friction, the middle of the plane, long stick.
+  const auto [load, lambda] = GENERATE(std::pair(1e-8, 0.04), std::pair(1e-4, 10.0), std::pair(0.1, 0.01));
+  const auto model = tests::bristol_board(load, lambda);
+  const auto truth = cycles::find_cycle(model, {.tolerance = 1e-10});
+  REQUIRE(truth.outcome.complete());
+  for (const double tolerance : {1e-3, 1e-6}) {
+    const auto alone = lanes::find_cycle(model, lanes::every_metric(tolerance));
+    REQUIRE(alone.outcome.complete());
+    CHECK(alone.orbit.empty());
+    CHECK(alone.stable);
+    CHECK(alone.section_displacement == Approx(truth.section_displacement).epsilon(10 * tolerance));
+    CHECK(alone.cost.steps < (tolerance == 1e-3 ? 4000 : 9000));
+    check_agreement(alone, truth);
+  }
+  CHECK(lanes::find_cycle(model, lanes::every_metric(1e-9)).orbit.size() > 0);  // beyond a lane
+}
+
+TEST_CASE("what is asked alone and no lane serves is answered all the same", "[cycle-lanes]") {
+  auto massless = tests::bristol_board(1e-4, 10);
+  massless.slider.mass = 0;
+  massless.slider.damping = 1;
+  auto backwards = tests::bristol_board(1e-4, 10);
+  backwards.drive.speed = -1e-5;
+  for (const auto& model : {massless, backwards}) {
+    const auto alone = lanes::find_cycle(model, lanes::every_metric()), truth = cycles::find_cycle(model);
+    REQUIRE(alone.outcome.ending == truth.outcome.ending);
+    if (truth.outcome.complete()) check_agreement(alone, truth);
+  }
+  const auto stable = lanes::find_cycle(tests::bristol_board(1e-6, 90), lanes::every_metric());
+  CHECK(stable.outcome.ending == Ending::none_exists);
+  CHECK_THROWS_AS(lanes::find_cycle(massless, {1e-6, 0.1, {"stick_fracton"}}), InputError);
+}
