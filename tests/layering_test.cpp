@@ -184,7 +184,8 @@ TEST_CASE("outside laws/ a friction law has no name") {
       INFO(from.string() << " includes " << what);
       CHECK((what == "laws/law.hpp" || what == "laws/normal_law.hpp" || what == "laws/frictionless.hpp" ||
              what == "laws/heat_flow.hpp" || what == "laws/regions.hpp" || what == "laws/one_coefficient.hpp" ||
-             what == "laws/wrappers.hpp" || ((folder == "app" || folder == "bench") && what == "laws/catalogue.hpp") ||
+             what == "laws/wrappers.hpp" || what == "laws/expression.hpp" || what == "laws/tape.hpp" ||  // formulas
+             ((folder == "app" || folder == "bench") && what == "laws/catalogue.hpp") ||
              (folder == "app" &&
               (what == "laws/formula.hpp" || what == "laws/heating.hpp" || what == "laws/smoothing.hpp" ||
                what == "laws/normal_catalogue.hpp")) ||  // laws that scenes spell
