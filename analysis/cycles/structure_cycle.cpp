@@ -29,6 +29,7 @@ using oscillators::StructureSystem;
 namespace {
 
 constexpr int most_returns = 32;  ///< in a period that is looked for
+constexpr const char* at_rest_or_sliding = "from this start steady sliding is reached, or rest";
 
 /// A point of the section that returns to itself, by Newton's method: found where the last correction is small by the
 /// tolerance, or below `asked`.
@@ -93,6 +94,16 @@ struct Recurrence {
   VectorXd size;
 };
 
+/// Whether no coordinate moves but by rounding, which crosses a section as well.
+bool stands_still(const PeriodRecord& period) {
+  constexpr double rounding = 1e-11;  // of a coordinate
+  for (std::size_t i = 0; i < period.coordinate_max.size(); ++i) {
+    const double high = period.coordinate_max[i], low = period.coordinate_min[i];
+    if (!(high - low <= rounding * std::max(std::abs(high), std::abs(low)))) return false;
+  }
+  return true;
+}
+
 class RecurrenceSearch {
  public:
   RecurrenceSearch(SectionMap& map, const motion::StructureModel& model, const StructureCycleOptions& options)
@@ -123,7 +134,7 @@ class RecurrenceSearch {
         observe);
     if (result_.returns > 0) return result_;
     if (outcome.ending == Ending::reached_end || (outcome.ending == Ending::event && settled_))
-      outcome = {Ending::none_exists, "steady sliding is reached, or rest"};
+      outcome = {Ending::none_exists, at_rest_or_sliding};
     else if (unbounded_)
       outcome = {Ending::none_exists, fmt::format("the motion grows without bound, to {:.3g} m after {} returns",
                                                   ranges_.back(), crossings_)};
@@ -480,6 +491,10 @@ StructureCycle find_cycle(const motion::StructureModel& model, const StructureCy
   }
   result.cost.steps = map.count.steps, result.cost.evaluations = map.count.evaluations;
   if (!fine) return result;
+  if (!map.driven() && stands_still(*fine)) {
+    result.outcome = {Ending::none_exists, at_rest_or_sliding};
+    return result;
+  }
   result.returns = recurrence.returns;
   result.metrics = fine->metrics;
   result.coordinate_max = fine->coordinate_max, result.coordinate_min = fine->coordinate_min;

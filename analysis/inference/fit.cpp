@@ -8,6 +8,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -564,10 +565,21 @@ class Conclusion {
   const std::vector<Told>& told() const { return told_; }
   /// Standard error of q.
   double spread(std::size_t i) const { return std::sqrt(best_.covariance[i * problem_.free.size() + i]); }
-  bool at_bound(std::size_t i) const {
+  bool at_end_of_range(std::size_t i) const {
     const auto& v = problem_.variables[i];
     return best_.q[i] <= v.low + 1e-6 * v.scale || best_.q[i] >= v.high - 1e-6 * v.scale;
   }
+  /// Where the law allows no more or no less of a number beside its others, as μ_d no more than μ_s.
+  bool at_end_of_law(std::size_t i) const {
+    if (at_end_of_range(i)) return false;
+    const auto& v = problem_.variables[i];
+    return std::ranges::any_of(std::array{-1, 1}, [&](int side) {
+      auto beside = best_.q;
+      beside[i] = std::clamp(beside[i] + side * 1e-3 * v.scale, v.low, v.high);
+      return !problem_.residuals(beside);
+    });
+  }
+  bool at_bound(std::size_t i) const { return at_end_of_range(i) || at_end_of_law(i); }
   /// Standard errors of the data per change of q by its scale.
   double influence(std::size_t i) const {
     double sum = 0;
@@ -609,9 +621,14 @@ class Conclusion {
     const auto& v = problem_.variables[i];
     const auto& name = v.quantity.name;
     const double value = v.value(best_.q[i]);
-    if (at_bound(i))
+    if (at_end_of_range(i))
       return fmt::format("{} = {:.6g} lies at an end of its range, {}: the fit ran away with it", name, value,
                          text(v.quantity.range));
+    if (at_end_of_law(i))
+      return fmt::format(
+          "{} = {:.6g} lies at an end of what the law allows beside its other numbers: the data want it "
+          "beyond",
+          name, value);
     if (!combined_[i].empty())
       return fmt::format("the data do not determine {}: they tell of a combination of it with {} only", name,
                          combined_[i]);

@@ -9,6 +9,7 @@
 
 #include "core/error.hpp"
 #include "core/tower.hpp"
+#include "laws/one_coefficient.hpp"
 #include "oscillators/slider_system.hpp"
 
 namespace rosin::analysis::response {
@@ -53,11 +54,17 @@ ContactChange change_by(const Model& model, const ContactSetup& setup, const std
     return change;
   }
   constexpr std::string_view of_law = "law.";
-  if (path.starts_with(of_law))
-    if (const auto index = model.law->find(std::string_view(path).substr(of_law.size()))) {
-      change.parameters.assign(model.law->parameters().size(), 0.0);
-      change.parameters[*index] = 1;
-    }
+  if (!path.starts_with(of_law)) return change;
+  const auto name = std::string_view(path).substr(of_law.size());
+  const auto both = laws::one_coefficient_of(*model.law);
+  change.parameters.assign(model.law->parameters().size(), 0.0);
+  if (both && name == both->name) {
+    for (const auto one : laws::rest_and_motion) change.parameters[*model.law->find(one)] = 1;
+  } else if (const auto index = model.law->find(name)) {
+    change.parameters[*index] = 1;
+  } else {
+    change.parameters.clear();  // of what surrounds the law
+  }
   return change;
 }
 

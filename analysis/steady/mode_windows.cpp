@@ -348,7 +348,8 @@ Scan scan(const std::function<StructureStability(double)>& stability_at, const s
         result.eigenvalues.empty() ? there->eigenvalues : in_order_of(result.eigenvalues.back(), there->eigenvalues));
   }
   if (result.values.empty())
-    throw InputError(fmt::format("no value of the scan has steady sliding: {}", sampled.reason()));
+    throw InputError("no value of the scan has steady sliding" +
+                     (sampled.reason().empty() ? "" : ": " + sampled.reason()));
   Refinement refinement(sampled, result.values.back() - result.values.front(), most_added);
   for (std::size_t i = 0; i + 1 < result.values.size(); ++i) refinement.between(result.values[i], result.values[i + 1]);
   result.windows = windows_of(sampled, sampled.values());

@@ -8,6 +8,7 @@
 #include <boost/math/tools/roots.hpp>
 #include <cmath>
 
+#include "analysis/steady/certain_sign.hpp"
 #include "analysis/steady/curve.hpp"
 #include "analysis/steady/normal_form.hpp"
 #include "core/characteristic.hpp"
@@ -278,9 +279,9 @@ void classify(HopfPoint& point, const Model& there) {
         "at the Hopf point {} = {:.6g} the slider oscillates with {:.2g} rad/s: its normal form is beyond the "
         "range of numbers; oscillator.stiffness, {:.3g} N/m, or the mass is out of any range",
         point.parameter, point.value, point.angular_frequency, there.slider.stiffness));
-  point.criticality = !(std::abs(l) > form->error) ? Criticality::degenerate
-                      : l < 0                      ? Criticality::supercritical
-                                                   : Criticality::subcritical;
+  point.criticality = !(std::abs(l) > certain_sign * form->error) ? Criticality::degenerate
+                      : l < 0                                     ? Criticality::supercritical
+                                                                  : Criticality::subcritical;
 }
 }  // namespace
 

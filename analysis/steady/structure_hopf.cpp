@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "analysis/steady/certain_sign.hpp"
 #include "analysis/steady/normal_form.hpp"
 
 namespace rosin::analysis::steady {
@@ -100,7 +101,7 @@ std::optional<StructureHopf> hopf_at(const std::function<oscillators::Structure(
   const auto form = normal_form(structure_at(crossing.value), at_crossing);
   if (!form) return std::nullopt;
   StructureHopf hopf{Criticality::degenerate, form->value, form->error, 0};
-  if (!(std::abs(form->value) > form->error)) return hopf;
+  if (!(std::abs(form->value) > certain_sign * form->error)) return hopf;
   hopf.criticality = form->value < 0 ? Criticality::supercritical : Criticality::subcritical;
   const double aside = 1e-5 * std::max(std::abs(crossing.value), 1e-300);
   const auto growth = [&](double value) {

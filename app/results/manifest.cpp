@@ -5,6 +5,7 @@
 
 #include "app/results/writers.hpp"
 #include "app/scene/scene.hpp"
+#include "app/scene/toml_document.hpp"
 #include "app/tasks/lab.hpp"
 
 namespace rosin::app::results {
@@ -30,8 +31,13 @@ ordered_json document_of(const scene::Scene& scene, const Manifest& manifest) {
   document["overrides"] = manifest.overrides;
   document["scene_resolved"] = scene.resolved;
   auto& parameters = document["parameters"] = ordered_json::object();
-  if (scene.model.law)
-    for (const auto& quantity : scene.model.parameters())
+  // The model's slider, and of a string its drive, are defaults beside another oscillator.
+  const auto type = scene::parse_toml(scene.resolved, scene.path)["oscillator"]["type"].value_or(std::string("slider"));
+  const auto is_its_own = [&](const std::string& path) {
+    return type == "slider" || (!path.starts_with("oscillator.") && !(scene.string && path.starts_with("drive.")));
+  };
+  for (const auto& quantity : scene.model.law ? scene.model.parameters() : std::vector<Quantity>())
+    if (is_its_own(quantity.name))
       parameters[quantity.name] = {{"value", scene.model.get(quantity.name)}, {"unit", quantity.unit}};
   document["tolerance"] = {{"asked", manifest.tolerance_asked}, {"reached", manifest.tolerance_reached}};
   document["cost"] = manifest.cost;

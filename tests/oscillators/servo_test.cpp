@@ -154,6 +154,20 @@ const std::vector<double>& column(const analysis::motion::Run& run, const std::s
 
 }  // namespace
 
+TEST_CASE("a servo that has come to rest has no period, although rounding crosses its section", "[servo]") {
+  Model model = carriage(0.3, 0.2);
+  model.law = laws::find_law("stribeck")->with({0.3, 0.2, 0.01, 2.0, 0.0});
+  model.slider.mass = 2.5, model.drive.normal_load = 25.0;
+  for (const double ki : {600.0, 620.0}) {
+    const auto held = with_servo(
+        one_slider(model), {.coordinate = 0, .proportional = 400, .integral = ki, .derivative = 60, .reference = 0.05});
+    const auto cycle = find_cycle(moving_from_rest(held), {});
+    INFO(ki);
+    CHECK(cycle.outcome.ending == Ending::none_exists);
+    CHECK(cycle.returns == 0);
+  }
+}
+
 TEST_CASE("a servo at its limit accelerates its mass steadily until its force falls below", "[servo]") {
   // kp (1 − x) − kd ẋ with kp = 10, kd = 2 begins above L = 3 N; less 1 N of friction 1 kg moves by x = t², up to
   // 10 − 10 t² − 4 t = 3. From there it is the oscillator x'' + 2 x' + 10 x = 9, of ω = 3.

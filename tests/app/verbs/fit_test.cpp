@@ -156,6 +156,27 @@ TEST_CASE("derived numbers stand beside the parameters, and what cannot be deriv
   }
 }
 
+TEST_CASE("one coefficient at rest and in motion is the mean of measured ones, and one beyond the other is told",
+          "[fit-command]") {
+  const Folder folder;
+  std::ofstream(folder.path / "data.csv")
+      << "slip_rate,friction_coefficient\nm/s,-\n0.01,0.43\n0.02,0.42\n0.05,0.425\n0.1,0.435\n";
+  const auto fitted = [&](const std::string& law, const std::string& parameter) {
+    std::ofstream(folder.path / "fit.toml")
+        << "[law]\ntype = 'coulomb'\n"
+        << law << "[drive]\nspeed = 0.01\nnormal_load = 10\n[fit]\nparameters = ['" << parameter
+        << "']\ndata = [{ type = 'steady-curve', file = 'data.csv' }]\n";
+    const auto run = run_rosin(folder, "fit fit.toml --json --no-pictures");
+    return std::pair(nlohmann::ordered_json::parse(run.out)["parameters"][parameter], run.error);
+  };
+  const auto [both, quiet] = fitted("mu = 0.4\n", "law.mu");
+  CHECK(both["value"].get<double>() == Approx(0.4275).epsilon(1e-9));
+  CHECK(both["standard_error"].get<double>() == Approx(0.0064550 / 2).epsilon(1e-3));
+  const auto [held, told] = fitted("mu_s = 0.4\nmu_d = 0.3\n", "law.mu_d");  // which the law does not allow beyond mu_s
+  CHECK(held["at_bound"] == true);
+  CHECK_THAT(told, Contains("the data bound law.mu_d on one side only"));
+}
+
 TEST_CASE("the catalogue of a run's slip events is data of a fit", "[fit-command]") {
   const Folder folder;
   const std::string model =

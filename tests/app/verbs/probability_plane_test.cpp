@@ -55,3 +55,15 @@ TEST_CASE("uncertain inputs of a plane and their metric go together", "[map][str
              Contains("map.samples has no effect without map.uncertain"));
   CHECK_THAT(refused("metrics=['probability_unstable'], uncertain={ 'law.mu_q' = 0.1 }"), Contains("mu_q"));
 }
+
+TEST_CASE("Coulomb friction in a linear structure decides nothing of how vibration sets in, whatever the load",
+          "[structure]") {
+  const Folder folder;
+  for (const int load : {200, 500, 800, 1000}) {
+    const auto run = run_rosin(folder, "stability " ROSIN_SOURCE_DIR
+                                       "/examples/brake-two-modes.toml --no-pictures --json --set drive.normal_load=" +
+                                           std::to_string(load));
+    INFO(load << run.error);
+    CHECK(nlohmann::json::parse(run.out)["thresholds"][0]["criticality"] == "degenerate");
+  }
+}

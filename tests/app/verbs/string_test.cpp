@@ -54,6 +54,19 @@ TEST_CASE("a bowed string has columns, slips, numbers with their errors, and a s
   CHECK(double(sound.size() - 44) / 2 / 48e3 == Approx(seconds).margin(1e-3));
 }
 
+TEST_CASE("a document of a string lists no slider, in its manifest and in its verdict", "[app][string]") {
+  const Folder folder;
+  const auto document =
+      answer_of_string(folder, "stability " + scenes_of_strings +
+                                   "schelleng-diagram.toml --set drive.speed=0.1 --set drive.normal_load=0.05 "
+                                   "--no-pictures --out out");
+  CHECK_THAT(document["verdict"].get<std::string>(),
+             Contains("Steady sliding is unstable: small motions grow at 27.88"));
+  const auto parameters = nlohmann::json::parse(content(folder.path / "out/manifest.json"))["parameters"];
+  CHECK(parameters.contains("law.mu_inf"));
+  for (const auto& [path, value] : parameters.items()) CHECK(path.starts_with("law."));
+}
+
 TEST_CASE("a plane of strings counts what is good and what finer sample rates confirm", "[app][string]") {
   const Folder folder;
   const auto map = "map " + scenes_of_strings +
