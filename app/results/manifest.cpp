@@ -31,14 +31,17 @@ ordered_json document_of(const scene::Scene& scene, const Manifest& manifest) {
   document["overrides"] = manifest.overrides;
   document["scene_resolved"] = scene.resolved;
   auto& parameters = document["parameters"] = ordered_json::object();
-  // The model's slider, and of a string its drive, are defaults beside another oscillator.
-  const auto type = scene::parse_toml(scene.resolved, scene.path)["oscillator"]["type"].value_or(std::string("slider"));
-  const auto is_its_own = [&](const std::string& path) {
-    return type == "slider" || (!path.starts_with("oscillator.") && !(scene.string && path.starts_with("drive.")));
-  };
-  for (const auto& quantity : scene.model.law ? scene.model.parameters() : std::vector<Quantity>())
-    if (is_its_own(quantity.name))
-      parameters[quantity.name] = {{"value", scene.model.get(quantity.name)}, {"unit", quantity.unit}};
+  if (scene.model.law) {
+    // The model's slider, and of a string its drive, are defaults beside another oscillator.
+    const auto type =
+        scene::parse_toml(scene.resolved, scene.path)["oscillator"]["type"].value_or(std::string("slider"));
+    const auto is_its_own = [&](const std::string& path) {
+      return type == "slider" || (!path.starts_with("oscillator.") && !(scene.string && path.starts_with("drive.")));
+    };
+    for (const auto& quantity : scene.model.parameters())
+      if (is_its_own(quantity.name))
+        parameters[quantity.name] = {{"value", scene.model.get(quantity.name)}, {"unit", quantity.unit}};
+  }
   document["tolerance"] = {{"asked", manifest.tolerance_asked}, {"reached", manifest.tolerance_reached}};
   document["cost"] = manifest.cost;
   document["files"] = manifest.files;

@@ -392,7 +392,9 @@ class Finder {
       const auto found = cells(i);
       const bool dashes = found.size() == columns() && columns() > 1 && std::ranges::all_of(found, is_dash);
       const bool counts = xlook_ && says_nothing(found);
-      if (!is_text(i) && !counts && !(dashes && last_text == none)) continue;
+      const auto units = count_units(found);  // of which 1, of what has none, is a number
+      const bool of_units = found.size() == columns() && units.units > 0 && units.words == 0 && names_above(i);
+      if (!is_text(i) && !counts && !of_units && !(dashes && last_text == none)) continue;
       if (last_text == none) last_text = i;
       if (says_nothing(found)) continue;
       if (units_ == none && holds_units(i) && names_above(i)) {

@@ -406,6 +406,38 @@ std::vector<oscillators::BowedStringModel> strings_of_plane(
   return models;
 }
 
+/// Over each value of x the least and the largest y at which the string speaks well; each lies within a step of the
+/// grid from the border.
+void add_playable(Job& job, results::Result& result, const std::vector<Pixel>& pixels) {
+  const auto& task = *job.scene().string;
+  const auto &xs = task.x.values, &ys = task.y.values;
+  const auto axis = [&](const analysis::planes::Axis& of) {
+    return of.parameter == "drive.speed.ramp.rate" ? Quantity{"acceleration of the bow", "m/s²", {}, ""}
+                                                   : job.scene().describe(of.parameter);
+  };
+  const auto x = axis(task.x), y = axis(task.y);
+  auto& list = result["playable"] = ordered_json::array();
+  constexpr std::size_t most_lines = 12;
+  const std::size_t every = (xs.size() + most_lines - 1) / most_lines;
+  for (std::size_t ix = 0; ix < xs.size(); ++ix) {
+    double least = NAN, largest = NAN;
+    std::size_t count = 0;
+    for (std::size_t iy = 0; iy < ys.size(); ++iy) {
+      const auto& transient = pixels[iy * xs.size() + ix].bowing.transient;
+      if (!(transient.length < task.good)) continue;
+      ++count, least = std::fmin(least, ys[iy]), largest = std::fmax(largest, ys[iy]);
+    }
+    list.push_back({{"x", xs[ix]}, {"least", least}, {"largest", largest}, {"count", count}});
+    if (ix % every != 0) continue;
+    const auto unit = [](const Quantity& of) { return of.unit == "1" ? std::string() : " " + of.unit; };
+    if (count == 0)
+      job.say("  at {} {:.4g}{}: nowhere", x.name, xs[ix], unit(x));
+    else
+      job.say("  at {} {:.4g}{}: from {:.4g} to {:.4g}{} of {}, {} of {} values", x.name, xs[ix], unit(x), least,
+              largest, unit(y), y.name, count, ys.size());
+  }
+}
+
 Status perform_string_map(Job& job) {
   auto& scene = job.scene();
   auto& task = *scene.string;
@@ -466,6 +498,8 @@ Status perform_string_map(Job& job) {
                           {"speckles", found.speckles},
                           {"edge_density", found.edge_density},
                           {"failed", found.failed}};
+  job.say("transients below {:g} periods:", task.good);
+  add_playable(job, result, pixels);
   auto& failures = result["failures"] = ordered_json::array();
   for (std::size_t i = 0; i < pixels.size(); ++i)
     if (!pixels[i].bowing.outcome.complete())

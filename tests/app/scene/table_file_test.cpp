@@ -86,6 +86,7 @@ TEST_CASE("names are the last line of texts before the numbers, units stand in t
   for (const auto& [content, names, units, first, second] :
        {Case{"Rig 2\nNumber of samples,12\nv (mm/s),mu\n1,2\n", 3, 0, "mm/s", ""},
         {"v,mu\nmm/s,-\n1,2\n", 1, 2, "mm/s", "1"},
+        {"v,mu\nmm/s,1\n1,2\n", 1, 2, "mm/s", "1"},
         {"v,F\n# mm/s,kN\n1,2\n", 1, 2, "mm/s", "kN"},
         {"v,F\n[mm/s],[kN]\n1,2\n", 1, 2, "mm/s", "kN"},
         {"v, mm/s, F, kN\n1,2\n", 1, 0, "mm/s", "kN"},
