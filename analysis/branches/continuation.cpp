@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/bracket.hpp"
 #include "core/linear_solve.hpp"
 #include "core/stop.hpp"
 
@@ -189,16 +190,15 @@ std::optional<SpecialPoint> Continuation::locate(const std::string& kind, const 
                                                  const BranchPoint& after, const Direction& direction, double length) {
   const double c_after = options_.parameter.coordinate(after.p);
   const double at_before = find(before.view, kind)->value, at_after = find(after.view, kind)->value;
-  double low = 0, high = length, f_low = at_before, f_high = at_after;
-  int kept = 0;
+  Bracket bracket{0, length, at_before, at_after};
   std::optional<Solution> best;
   BranchPoint there;
   double moved = infinity, theta_before = infinity;
   constexpr int most = 30;
   constexpr double at_rest = 1e-12;
-  for (int k = 0; k < most && high - low > at_rest * length; ++k) {
-    double l = (low * f_high - high * f_low) / (f_high - f_low);
-    if (!(l > low && l < high)) l = 0.5 * (low + high);
+  for (int k = 0; k < most && bracket.width() > at_rest * length; ++k) {
+    double l = bracket.secant();
+    if (!bracket.holds(l)) l = 0.5 * (bracket.low + bracket.high);
     Solution guess;
     guess.x = a.x + l / length * (after.x - a.x);
     guess.c = a.c + l / length * (c_after - a.c);
@@ -212,15 +212,7 @@ std::optional<SpecialPoint> Continuation::locate(const std::string& kind, const 
     const double value = test->value;
     if (value == 0 || std::abs(l - theta_before) < at_rest * length) break;
     theta_before = l;
-    if ((value > 0) == (f_high > 0)) {
-      high = l, f_high = value;
-      if (kept == -1) f_low *= 0.5;
-      kept = -1;
-    } else {
-      low = l, f_low = value;
-      if (kept == 1) f_high *= 0.5;
-      kept = 1;
-    }
+    bracket.take(l, value);
   }
   if (!best) return std::nullopt;
   // What the tolerance leaves open of the test, by its slope along the branch.

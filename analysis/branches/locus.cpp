@@ -9,6 +9,7 @@
 
 #include "analysis/branches/cycle_problem.hpp"
 #include "analysis/steady/verdict.hpp"
+#include "core/bracket.hpp"
 #include "core/linear_solve.hpp"
 #include "core/stop.hpp"
 
@@ -351,13 +352,14 @@ class SpecialCurve {
     std::vector<std::pair<double, LocusEvent>> found;  // by the part of the way
     for (const auto& [kind, wanted] : resonances) {
       if (!((at_a - wanted) * (at_b - wanted) < 0)) continue;
-      double low = 0, high = 1, f_low = at_a - wanted, f_high = at_b - wanted, part = 0, moved = infinity;
+      Bracket bracket{0, 1, at_a - wanted, at_b - wanted};
+      double part = 0, moved = infinity;
       std::optional<SpecialPoint> there;
       CosineOfPair cosine;
       constexpr int most = 30;
       constexpr double at_rest = 1e-12;
-      for (int k = 0, kept = 0; k < most && high - low > at_rest; ++k) {
-        const double next = (low * f_high - high * f_low) / (f_high - f_low);
+      for (int k = 0; k < most && bracket.width() > at_rest; ++k) {
+        const double next = bracket.secant();
         const double guess = from[across] + next * (to[across] - from[across]);
         const auto here = near_[across].find(next < 0.5 ? a : b, scales_[across].value(std::clamp(guess, 0.0, 1.0)),
                                              scales_[along].value(from[along] + next * (to[along] - from[along])));
@@ -366,15 +368,7 @@ class SpecialCurve {
         part = next, there = here, cosine = cosine_of_pair(*here);
         const double value = cosine.value - wanted;
         if (std::abs(value) <= cosine.error || moved < at_rest) break;
-        if ((value > 0) == (f_high > 0)) {
-          high = part, f_high = value;
-          if (kept == -1) f_low *= 0.5;
-          kept = -1;
-        } else {
-          low = part, f_low = value;
-          if (kept == 1) f_high *= 0.5;
-          kept = 1;
-        }
+        bracket.take(part, value);
       }
       if (!there) continue;
       const double open = (std::abs(cosine.value - wanted) + cosine.error) / std::abs(at_b - at_a);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/bracket.hpp"
 #include "core/instruction_set.hpp"
 #include "core/stop.hpp"
 
@@ -284,22 +285,15 @@ double Explicit::part_of_step(double t) const {
     for (int k = s - 1; k >= 0; --k) sum = (sum + q[k]) * theta;
     return sum - whole;
   };
-  // Time rises with θ; regula falsi (Illinois).
-  double low = 0, high = 1, f_low = -whole, f_high = late(1), theta = 1;
-  for (int i = 0, kept = 0; i < 60 && high - low > 1e-12; ++i) {
-    theta = (low * f_high - high * f_low) / (f_high - f_low);
-    if (!(theta > low && theta < high)) break;
+  // Time rises with θ.
+  Bracket bracket{0, 1, -whole, late(1)};
+  double theta = 1;
+  for (int i = 0; i < 60 && bracket.width() > 1e-12; ++i) {
+    theta = bracket.secant();
+    if (!bracket.holds(theta)) break;
     const double f = late(theta);
     if (std::abs(f) <= 1e-10 * whole) break;
-    if (f > 0) {
-      high = theta, f_high = f;
-      if (kept == -1) f_low *= 0.5;
-      kept = -1;
-    } else {
-      low = theta, f_low = f;
-      if (kept == 1) f_high *= 0.5;
-      kept = 1;
-    }
+    bracket.take(theta, f);
   }
   return theta;
 }
