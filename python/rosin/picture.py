@@ -11,7 +11,6 @@ from .result import Result
 if TYPE_CHECKING:
     import numpy
     import xarray
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 # Lines differ in dash as well as in colour: readable in grey and by the colour-blind.

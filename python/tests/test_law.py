@@ -4,8 +4,6 @@ import numpy
 import pytest
 import rosin
 
-from conftest import ROOT
-
 
 def spinodal():
     def exponent(psi, mu0, b, L, v0, c, t_heal, a):
