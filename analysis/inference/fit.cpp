@@ -2,6 +2,7 @@
 #include "analysis/inference/fit.hpp"
 
 #include <fmt/format.h>
+#include <gsl/gsl_blas.h>
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_multifit_nlinear.h>
@@ -265,7 +266,27 @@ struct Minimum {
   bool converged = false;
 };
 
-Minimum minimise(Problem& problem) {
+/// How far least squares are from their minimum, in standard errors of the parameters: root mean square of the residual
+/// along the slopes, over that across them (relative offset: Bates & Watts 1981, Technometrics 23, 179).
+double relative_offset(const gsl_vector& f, const gsl_matrix& J) {
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const auto n = Eigen::Index(J.size1), p = Eigen::Index(J.size2);
+  const Eigen::Map<const RowMajor, 0, Eigen::OuterStride<>> slopes(J.data, n, p,
+                                                                   Eigen::OuterStride<>(Eigen::Index(J.tda)));
+  const Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<>> residual(
+      f.data, n, Eigen::InnerStride<>(Eigen::Index(f.stride)));
+  Eigen::VectorXd across = residual;
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(slopes);
+  across.applyOnTheLeft(qr.householderQ().adjoint());
+  const auto rank = qr.rank();
+  return std::sqrt(across.head(rank).squaredNorm() / double(rank) /
+                   (across.tail(n - rank).squaredNorm() / double(n - rank)));
+}
+
+constexpr double near = 1e-6;        ///< relative offset at which a minimum is found
+constexpr double near_enough = 0.1;  ///< and at which it is known which of several starts leads to the lowest
+
+Minimum minimise(Problem& problem, double offset = near) {
   Minimum best{problem.q, infinity, {}, false};
   problem.evaluations = 0;
   const std::size_t n = problem.rows(), p = problem.free.size();
@@ -286,14 +307,33 @@ Minimum minimise(Problem& problem) {
   for (std::size_t i = 0; i < p; ++i) start[i] = problem.q[problem.free[i]];
   const auto x = gsl_vector_view_array(start.data(), p);
   if (gsl_multifit_nlinear_init(&x.vector, &fdf, work.get()) != GSL_SUCCESS) return best;
-  int info = 0;
-  const int status = gsl_multifit_nlinear_driver(200, 1e-10, 1e-10, 0, nullptr, nullptr, &info, work.get());
+  const auto found = [&] {
+    return relative_offset(*gsl_multifit_nlinear_residual(work.get()), *gsl_multifit_nlinear_jac(work.get())) < offset;
+  };
+  // A start that is to be told from others ends where ten steps gain less than a tenth of a standard error: it follows
+  // a valley that leads nowhere.
+  constexpr std::size_t together = 10;
+  constexpr double gain = 0.01;  // of the mean square
+  std::vector<double> squares;
+  const auto in_valley = [&] {
+    const double norm = gsl_blas_dnrm2(gsl_multifit_nlinear_residual(work.get())), square = norm * norm;
+    squares.push_back(square);
+    return offset > near && squares.size() > together &&
+           squares[squares.size() - 1 - together] - square < gain * square / double(n - p);
+  };
+  int status = found() ? GSL_SUCCESS : GSL_CONTINUE, info = 0;
+  constexpr int most_iterations = 200;
+  for (int i = 0; i < most_iterations && status == GSL_CONTINUE; ++i) {
+    const int step = gsl_multifit_nlinear_iterate(work.get());
+    if (step == GSL_EMAXITER || (step == GSL_ENOPROG && i == 0)) break;  // later it tries again with shorter steps
+    status = found() ? GSL_SUCCESS : gsl_multifit_nlinear_test(1e-10, 1e-10, 0, &info, work.get());
+    if (status == GSL_CONTINUE && in_valley()) break;
+  }
   end_if_stopped();
   best.q = problem.with_free(gsl_multifit_nlinear_position(work.get()));
-  const auto* f = gsl_multifit_nlinear_residual(work.get());
-  best.chi_square = 0;
-  for (std::size_t i = 0; i < n; ++i) best.chi_square += std::pow(gsl_vector_get(f, i), 2);
-  best.converged = status == GSL_SUCCESS || status == GSL_ENOPROG;  // no progress: at the rounding of the predictions
+  best.chi_square = std::pow(gsl_blas_dnrm2(gsl_multifit_nlinear_residual(work.get())), 2);
+  // Tolerances below rounding: at the rounding of the predictions.
+  best.converged = status == GSL_SUCCESS || status == GSL_ETOLF || status == GSL_ETOLX || status == GSL_ETOLG;
   best.covariance.resize(p * p);
   auto covariance = gsl_matrix_view_array(best.covariance.data(), p, p);
   gsl_multifit_nlinear_covar(gsl_multifit_nlinear_jac(work.get()), 0, &covariance.matrix);
@@ -561,6 +601,13 @@ class Conclusion {
   bool misfits() const {
     return std::ranges::any_of(told_, [](const Told& told) { return told.misfit.has_value(); });
   }
+  /// False where given errors are less than half of what residuals show: no interval is right then, by covariance or
+  /// profile.
+  bool described() const {
+    constexpr double far_off = 4;  // times what errors allow
+    const bool errors_given = std::ranges::none_of(*problem_.data, [](const auto& m) { return m.error.empty(); });
+    return !errors_given || best_.chi_square < far_off * (result_.points - double(problem_.free.size()));
+  }
   /// The noise of each measurement, without misfit.
   const std::vector<Told>& told() const { return told_; }
   /// Standard error of q.
@@ -643,7 +690,7 @@ class Conclusion {
   /// True where a normal law of q is a poor guide to the interval.
   bool in_doubt(std::size_t i, double z) const {
     constexpr double curved = 0.3;
-    if (!combined_[i].empty() || misfits()) return false;
+    if (!combined_[i].empty() || misfits() || !described()) return false;
     return !lost(i, z).empty() || (problem_.variables[i].logarithmic && spread(i) > curved);
   }
 
@@ -710,7 +757,7 @@ void Conclusion::parameter(std::size_t i, double z, bool profile, const std::fun
                                    : why);
     if (!bounded) {
       parameter.profile_low = parameter.profile_high = std::nan("");
-      if (result_.outcome.complete()) result_.outcome = {Ending::none_exists, why};
+      if (result_.outcome.complete() && described()) result_.outcome = {Ending::none_exists, why};
     }
   } else if (v.logarithmic && error > 1) {
     result_.warnings.push_back(fmt::format("{} is hardly determined: a factor of {:.2g} is within one standard error",
@@ -1002,6 +1049,8 @@ Fit fit(const Subject& model, const std::vector<Measurement>& data, const FitOpt
     most_expected = expected + 4 * std::sqrt(2 * expected);
   };
   const auto search = [&](int from, int to) {
+    const double offset = to - from > 1 ? near_enough : near;
+    bool better = false;
     for (int s = from; s < to; ++s) {
       problem.q = own;
       const double spread = std::log(30.0) / 2;
@@ -1009,11 +1058,15 @@ Fit fit(const Subject& model, const std::vector<Measurement>& data, const FitOpt
         const auto& v = problem.variables[i];
         problem.q[i] = std::clamp(own[i] + spread * v.scale * random[std::size_t(s) * of_model + i], v.low, v.high);
       }
-      auto found = minimise(problem);
+      auto found = minimise(problem, offset);
       report();
       if (!std::isfinite(found.chi_square)) continue;
       result.converged_starts += found.converged;
-      if (found.chi_square < best.chi_square) best = std::move(found);
+      if (found.chi_square < best.chi_square) best = std::move(found), better = true;
+    }
+    if (better && offset > near) {
+      problem.q = best.q;
+      if (auto nearer = minimise(problem); nearer.chi_square < best.chi_square) best = std::move(nearer);
     }
   };
   const auto first_noise = problem.noise;
@@ -1111,11 +1164,12 @@ Fit fit(const Subject& model, const std::vector<Measurement>& data, const FitOpt
   const auto profiles = std::ranges::count(profiled, 1);
   if (!options.profiles) {
     total += 2 * int(profiles);
-    result.decisions.push_back(profiles == 0
-                                   ? "no profiles of the likelihood: every covariance is narrow"
-                                   : fmt::format("profiles of the likelihood for {} of {} numbers, whose covariance is "
-                                                 "wide",
-                                                 profiles, p));
+    result.decisions.push_back(
+        !conclusion.described() ? "no profiles of the likelihood: the law does not describe the data"
+        : profiles == 0         ? "no profiles of the likelihood: every covariance is narrow"
+                                : fmt::format("profiles of the likelihood for {} of {} numbers, whose covariance is "
+                                                      "wide",
+                                              profiles, p));
   }
   for (std::size_t i = 0; i < p; ++i) {
     conclusion.parameter(i, z, profiled[i], report);

@@ -676,7 +676,19 @@ void write_table(const std::filesystem::path& path, const FigureTable& table) {
 
 }  // namespace
 
-std::vector<std::string> write(const std::filesystem::path& folder, const Figure& figure) {
+namespace {
+
+/// An axis along which all values are one has room on both sides: no program draws from a value to itself.
+void widen(Axis& axis) {
+  if (!(axis.from == axis.to)) return;
+  const double room = axis.from == 0 ? 1 : 0.1 * std::abs(axis.from);
+  axis.from -= room, axis.to += room;
+}
+
+}  // namespace
+
+std::vector<std::string> write(const std::filesystem::path& folder, Figure figure) {
+  for (auto& panel : figure.panels) widen(panel.x), widen(panel.y);
   std::vector<std::string> files;
   for (const auto& table : figure.tables) write_table(folder / files.emplace_back(table.file), table);
   write_whole(folder / files.emplace_back(figure.name + ".gp"), Script(figure).text());

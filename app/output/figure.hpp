@@ -10,7 +10,7 @@ namespace rosin::app::output {
 
 /// Writes the script of a figure, NAME.gp, its declaration, NAME.figure.json, and the tables that only it needs into
 /// the folder. \returns the names of the files
-std::vector<std::string> write(const std::filesystem::path& folder, const results::Figure&);
+std::vector<std::string> write(const std::filesystem::path& folder, results::Figure);
 
 /// The declaration, with what is usual left out: tables are files of the folder, columns are numbered from 1.
 std::string to_json(const results::Figure&);
