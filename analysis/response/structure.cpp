@@ -15,6 +15,7 @@
 #include "core/characteristic.hpp"
 #include "core/eigenpairs.hpp"
 #include "core/error.hpp"
+#include "core/linear_solve.hpp"
 #include "core/random.hpp"
 
 namespace rosin::analysis::response {
@@ -549,8 +550,7 @@ class MeasuredFriction {
 std::vector<double> about_resonances(const Structure& structure, double low, double high) {
   constexpr double closest = 1e-6;
   std::vector<double> found;
-  const Eigen::VectorXcd squares = structure.M.partialPivLu().solve(structure.K).eigenvalues();
-  for (const Complex square : squares) {
+  for (const Complex square : eigenpairs(solve_columns(structure.M, structure.K)).values) {
     const double resonance = std::abs(std::sqrt(square)) / (2 * std::numbers::pi);
     if (!(resonance > low / 2) || !(resonance < 2 * high)) continue;
     found.push_back(resonance);
