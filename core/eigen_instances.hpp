@@ -10,13 +10,15 @@
 #define ROSIN_EIGEN_INSTANCE extern template
 #endif
 
-namespace rosin::instances {
-using Real = Eigen::internal::gebp_traits<double, double>;
-using Complex = Eigen::internal::gebp_traits<std::complex<double>, std::complex<double>>;
-using Columns = Eigen::Block<Eigen::MatrixXd, Eigen::Dynamic, Eigen::Dynamic, false>;
-using Column = Eigen::Block<const Eigen::MatrixXd, Eigen::Dynamic, 1, false>;
-using PartOfColumn = Eigen::VectorBlock<Eigen::Block<Eigen::MatrixXd, Eigen::Dynamic, 1, true>, Eigen::Dynamic>;
-}  // namespace rosin::instances
+namespace rosin {
+struct EigenInstances {
+  using Real = Eigen::internal::gebp_traits<double, double>;
+  using Complex = Eigen::internal::gebp_traits<std::complex<double>, std::complex<double>>;
+  using Columns = Eigen::Block<Eigen::MatrixXd, Eigen::Dynamic, Eigen::Dynamic, false>;
+  using Column = Eigen::Block<const Eigen::MatrixXd, Eigen::Dynamic, 1, false>;
+  using PartOfColumn = Eigen::VectorBlock<Eigen::Block<Eigen::MatrixXd, Eigen::Dynamic, 1, true>, Eigen::Dynamic>;
+};
+}  // namespace rosin
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wignored-attributes"  // alignment of Packet2d as an argument
@@ -27,10 +29,10 @@ namespace internal {
 
 // Products of matrices.
 ROSIN_EIGEN_INSTANCE struct gebp_kernel<double, double, Index, blas_data_mapper<double, Index, ColMajor>,
-                                        rosin::instances::Real::mr, rosin::instances::Real::nr>;
+                                        rosin::EigenInstances::Real::mr, rosin::EigenInstances::Real::nr>;
 ROSIN_EIGEN_INSTANCE struct gebp_kernel<std::complex<double>, std::complex<double>, Index,
                                         blas_data_mapper<std::complex<double>, Index, ColMajor>,
-                                        rosin::instances::Complex::mr, rosin::instances::Complex::nr>;
+                                        rosin::EigenInstances::Complex::mr, rosin::EigenInstances::Complex::nr>;
 ROSIN_EIGEN_INSTANCE void evaluateProductBlockingSizesHeuristic<double, double, 1, Index>(Index&, Index&, Index&,
                                                                                           Index);
 ROSIN_EIGEN_INSTANCE void evaluateProductBlockingSizesHeuristic<double, double, 4, Index>(Index&, Index&, Index&,
@@ -42,15 +44,15 @@ ROSIN_EIGEN_INSTANCE struct general_matrix_matrix_product<Index, double, RowMajo
 ROSIN_EIGEN_INSTANCE struct general_matrix_matrix_product<Index, std::complex<double>, ColMajor, false,
                                                           std::complex<double>, ColMajor, false, ColMajor, 1>;
 ROSIN_EIGEN_INSTANCE struct gemm_pack_lhs<double, Index, const_blas_data_mapper<double, Index, ColMajor>,
-                                          rosin::instances::Real::mr, rosin::instances::Real::LhsProgress,
-                                          rosin::instances::Real::LhsPacket4Packing, ColMajor>;
+                                          rosin::EigenInstances::Real::mr, rosin::EigenInstances::Real::LhsProgress,
+                                          rosin::EigenInstances::Real::LhsPacket4Packing, ColMajor>;
 ROSIN_EIGEN_INSTANCE struct gemm_pack_lhs<double, Index, const_blas_data_mapper<double, Index, RowMajor>,
-                                          rosin::instances::Real::mr, rosin::instances::Real::LhsProgress,
-                                          rosin::instances::Real::LhsPacket4Packing, RowMajor>;
+                                          rosin::EigenInstances::Real::mr, rosin::EigenInstances::Real::LhsProgress,
+                                          rosin::EigenInstances::Real::LhsPacket4Packing, RowMajor>;
 ROSIN_EIGEN_INSTANCE struct gemm_pack_rhs<double, Index, const_blas_data_mapper<double, Index, ColMajor>,
-                                          rosin::instances::Real::nr, ColMajor>;
+                                          rosin::EigenInstances::Real::nr, ColMajor>;
 ROSIN_EIGEN_INSTANCE struct gemm_pack_rhs<double, Index, blas_data_mapper<double, Index, ColMajor>,
-                                          rosin::instances::Real::nr, ColMajor, false, true>;
+                                          rosin::EigenInstances::Real::nr, ColMajor, false, true>;
 
 // Products of a matrix and a vector.
 #define ROSIN_PRODUCT(Number, A, x, Version)                                                                         \
@@ -90,23 +92,23 @@ ROSIN_EIGEN_INSTANCE struct partial_lu_impl<std::complex<double>, ColMajor, int>
 
 // Reflections.
 ROSIN_EIGEN_INSTANCE void make_block_householder_triangular_factor(Matrix<double, Dynamic, Dynamic, RowMajor>&,
-                                                                   const rosin::instances::Columns&,
+                                                                   const rosin::EigenInstances::Columns&,
                                                                    const VectorBlock<const VectorXd>&);
 ROSIN_EIGEN_INSTANCE void make_block_householder_triangular_factor(Matrix<double, Dynamic, Dynamic, RowMajor>&,
-                                                                   const rosin::instances::Columns&,
+                                                                   const rosin::EigenInstances::Columns&,
                                                                    const Block<const VectorXd, Dynamic, 1, false>&);
-ROSIN_EIGEN_INSTANCE void apply_block_householder_on_the_left(rosin::instances::Columns&,
-                                                              const rosin::instances::Columns&,
+ROSIN_EIGEN_INSTANCE void apply_block_householder_on_the_left(rosin::EigenInstances::Columns&,
+                                                              const rosin::EigenInstances::Columns&,
                                                               const VectorBlock<const VectorXd>&, bool);
 
 }  // namespace internal
 
-ROSIN_EIGEN_INSTANCE void MatrixBase<rosin::instances::Columns>::applyHouseholderOnTheLeft(
-    const rosin::instances::Column&, const double&, double*);
-ROSIN_EIGEN_INSTANCE void MatrixBase<rosin::instances::Columns>::applyHouseholderOnTheLeft(
-    const rosin::instances::PartOfColumn&, const double&, double*);
-ROSIN_EIGEN_INSTANCE void MatrixBase<rosin::instances::Columns>::applyHouseholderOnTheRight(
-    const rosin::instances::Column&, const double&, double*);
+ROSIN_EIGEN_INSTANCE void MatrixBase<rosin::EigenInstances::Columns>::applyHouseholderOnTheLeft(
+    const rosin::EigenInstances::Column&, const double&, double*);
+ROSIN_EIGEN_INSTANCE void MatrixBase<rosin::EigenInstances::Columns>::applyHouseholderOnTheLeft(
+    const rosin::EigenInstances::PartOfColumn&, const double&, double*);
+ROSIN_EIGEN_INSTANCE void MatrixBase<rosin::EigenInstances::Columns>::applyHouseholderOnTheRight(
+    const rosin::EigenInstances::Column&, const double&, double*);
 ROSIN_EIGEN_INSTANCE void HouseholderSequence<MatrixXd, VectorXd>::evalTo(MatrixXd&, VectorXd&) const;
 ROSIN_EIGEN_INSTANCE void HouseholderSequence<MatrixXd, VectorXd>::applyThisOnTheLeft(MatrixXd&, VectorXd&, bool) const;
 

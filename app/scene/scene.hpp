@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "analysis/motion/structure_start.hpp"
+#include "app/scene/written_units.hpp"
 #include "oscillators/model.hpp"
 
 namespace rosin::oscillators {
@@ -38,6 +39,7 @@ struct Scene {
   std::vector<std::string> notes;                             ///< what was read but has no effect
   std::vector<std::string> files_read;                        ///< what was understood of measured files
   std::uint64_t files_checksum = 0;                           ///< of their numbers; 0: no file was read
+  WrittenUnits units;                                         ///< in which its numbers are written
   std::map<std::string, std::string> places;                  ///< of keys by their paths: "scene.toml:7:5"
 
   /// What the scene's verb asks, of the type in which that verb keeps it (app/tasks/): defaults until it has been read.

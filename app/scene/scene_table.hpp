@@ -15,6 +15,7 @@
 
 #include "app/scene/record.hpp"
 #include "app/scene/reference.hpp"
+#include "app/scene/written_units.hpp"
 #include "core/error.hpp"
 #include "core/parameters.hpp"
 #include "core/units.hpp"
@@ -131,7 +132,8 @@ class KeysRead {
 inline double number(const toml::node& node, const Quantity& quantity) {
   NumbersAsked::note(quantity);
   double value = 0;
-  if (const auto* text = node.as_string())
+  const auto* text = node.as_string();
+  if (text)
     value = located(node.source(), [&] {
       try {
         return Reference::to_si(text->get(), quantity.unit);
@@ -144,6 +146,7 @@ inline double number(const toml::node& node, const Quantity& quantity) {
   else
     wrong_kind(node, quantity.name, fmt::format("a number ({}, {})", quantity.meaning, readable_unit(quantity.unit)));
   located(node.source(), [&] { require(value, quantity.range, quantity.name, quantity.meaning, quantity.unit); });
+  UnitsRead::note(quantity.unit, value, text ? std::optional<std::string_view>(text->get()) : std::nullopt);
   return value;
 }
 

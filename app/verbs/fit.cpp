@@ -182,15 +182,17 @@ results::Result result_of(const Job& job, const std::vector<analysis::inference:
 }
 
 std::string described(const analysis::inference::FittedParameter& p, double confidence) {
+  const auto [unit, factor] = written_unit(p.unit);
   if (p.withheld)
-    return fmt::format("{:.4g}{}{}, no interval: the law does not describe these data", p.value,
-                       p.unit == "1" ? "" : " ", p.unit == "1" ? "" : p.unit);
+    return fmt::format("{:.4g}{}{}, no interval: the law does not describe these data", p.value / factor,
+                       unit == "1" ? "" : " ", unit == "1" ? "" : unit);
   if (std::isnan(p.low))
     return std::isnan(p.profile_low)
                ? "not determined by the data"
-               : fmt::format("bounded on one side by the data, {:.5g} … {:.5g}", p.profile_low, p.profile_high);
+               : fmt::format("bounded on one side by the data, {:.5g} … {:.5g}{}{}", p.profile_low / factor,
+                             p.profile_high / factor, unit == "1" ? "" : " ", unit == "1" ? "" : unit);
   return fmt::format("{}, {:.3g} % interval {:.5g} … {:.5g}", justified(p.value, p.standard_error, p.unit),
-                     100 * confidence, p.low, p.high);
+                     100 * confidence, p.low / factor, p.high / factor);
 }
 
 std::string why_at_rest(const analysis::inference::Rest& rest) {
@@ -286,12 +288,15 @@ std::vector<std::pair<std::string, std::string>> rows_of_table(const scene::Scen
                         fmt::format("AIC {:+.2f} from the best", fits[k].aic - fits[shown.front()].aic));
     auto shown_numbers = fits[k].parameters;
     shown_numbers.insert(shown_numbers.end(), fits[k].derived.begin(), fits[k].derived.end());
-    for (const auto& p : shown_numbers)
+    for (const auto& p : shown_numbers) {
+      const double factor = written_unit(p.unit).factor;
       rows.emplace_back((fits.size() > 1 ? "    " : "") + p.path,
-                        std::isnan(p.low) ? described(p, scene.task<tasks::Fit>().options.confidence)
-                                          : fmt::format("{} ({} … {})", justified(p.value, p.standard_error, p.unit),
-                                                        output::digits_by_error(p.low, p.standard_error),
-                                                        output::digits_by_error(p.high, p.standard_error)));
+                        std::isnan(p.low)
+                            ? described(p, scene.task<tasks::Fit>().options.confidence)
+                            : fmt::format("{} ({} … {})", justified(p.value, p.standard_error, p.unit),
+                                          output::digits_by_error(p.low / factor, p.standard_error / factor),
+                                          output::digits_by_error(p.high / factor, p.standard_error / factor)));
+    }
   }
   return rows;
 }

@@ -21,7 +21,23 @@ namespace rosin::app::verbs {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-std::string justified(double value, double error, std::string_view unit) {
+namespace {
+/// Of the scene that is being computed in this thread.
+const scene::WrittenUnits*& units_in_use() {
+  static thread_local const scene::WrittenUnits* units = nullptr;
+  return units;
+}
+}  // namespace
+
+scene::WrittenUnit written_unit(std::string_view si) {
+  if (const auto* units = units_in_use())
+    if (const auto found = units->find(si); found != units->end()) return found->second;
+  return {std::string(si), 1};
+}
+
+std::string justified(double value, double error, std::string_view si) {
+  const auto [unit, factor] = written_unit(si);
+  value /= factor, error /= factor;
   const auto suffix = unit == "1" ? std::string() : fmt::format(" {}", unit);
   if (!std::isfinite(value)) return "none";
   if (std::isinf(error)) return fmt::format("{:.6g}{}, of unknown error", value, suffix);
@@ -64,9 +80,11 @@ Job::Job(const Request& request)
   for (const auto& text : scene_.files_read) explain("{}", text);
   manifest_.verb = request.verb;
   manifest_.overrides = request.overrides;
+  units_in_use() = &scene_.units;
 }
 
 Job::~Job() {
+  units_in_use() = nullptr;
   std::error_code unused;
   if (!staging_.empty()) fs::remove_all(staging_, unused);
 }

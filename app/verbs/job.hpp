@@ -20,8 +20,11 @@
 
 namespace rosin::app::verbs {
 
-/// A value with the digits that its error leaves meaningful: "22.58705580 ± 3e-08".
-std::string justified(double value, double error, std::string_view unit);
+/// The unit in which the scene that is being computed writes numbers of an SI unit; that unit where it writes none, or
+/// several.
+scene::WrittenUnit written_unit(std::string_view si);
+/// A value in SI with the digits that its error leaves meaningful, in the unit of the scene: "22.58705580 ± 3e-08 um".
+std::string justified(double value, double error, std::string_view si);
 
 double seconds_since(std::chrono::steady_clock::time_point begin);
 

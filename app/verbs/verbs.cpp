@@ -133,6 +133,7 @@ scene::Scene read_scene(const Request& request) {
   const toml::table document = scene::read_document(request, scene.notes);
   note_places(document, "", scene.places);
   const scene::FilesRead files;
+  const scene::UnitsRead units;
   try {
     scene::SceneReader reader{
         request, document, scene::Table(document, ""), scene, std::filesystem::path(scene.path).parent_path(), {}};
@@ -156,6 +157,7 @@ scene::Scene read_scene(const Request& request) {
     throw InputError(scene.placed(error.what()));
   }
   scene.files_read = files.texts;
+  scene.units = units.written();
   scene.files_checksum = files.checksum;
   scene.resolved = scene::resolved(document);
   return scene;
