@@ -80,11 +80,11 @@ Job::Job(const Request& request)
   for (const auto& text : scene_.files_read) explain("{}", text);
   manifest_.verb = request.verb;
   manifest_.overrides = request.overrides;
-  units_in_use() = &scene_.units;
+  units_before_ = std::exchange(units_in_use(), &scene_.units);
 }
 
 Job::~Job() {
-  units_in_use() = nullptr;
+  units_in_use() = units_before_;
   std::error_code unused;
   if (!staging_.empty()) fs::remove_all(staging_, unused);
 }

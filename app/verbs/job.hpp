@@ -98,6 +98,7 @@ class Job {
 
   const Request& request_;
   scene::Scene scene_;
+  const scene::WrittenUnits* units_before_ = nullptr;  ///< of the job within which this one is done
   std::filesystem::path folder_;
   std::string label_;  ///< of the results
   results::Manifest manifest_;
