@@ -215,6 +215,23 @@ TEST_CASE("sliding of the bow, periodic motion and sweeps of a string have numbe
   CHECK(map["error"] == sweep["error"]);
 }
 
+TEST_CASE("a sweep of a string goes up and down from the motion before", "[app][string]") {
+  const Folder folder;
+  const auto sweep = "sweep " + scenes_of_strings + "hysteresis-of-bow-force.toml --no-pictures --out out ";
+  const auto document =
+      answer_of_string(folder, sweep + "--set sweep.from=0.14 --set sweep.to=0.35 --set sweep.points=2");
+  CHECK(document["up"]["slips_per_period"] == nlohmann::json({2, 1}));
+  CHECK(document["down"]["slips_per_period"] == nlohmann::json({1, 1}));
+  for (const auto& [arguments, word] :
+       {std::pair{"--set sweep.start=scene", "sweep.direction has no effect"},
+        {"--set sweep.parameter=oscillator.quality --set sweep.from=50 --set sweep.to=90",
+         "along drive.speed or drive.normal_load"}}) {
+    const auto answer = run_rosin(folder, sweep + arguments);
+    CHECK(answer.status == 2);
+    CHECK_THAT(answer.error, Contains(word));
+  }
+}
+
 TEST_CASE("strings are compared by run and cycle, with the numbers of those verbs", "[app][string][compare]") {
   const Folder folder;
   for (const auto& [protocol, metric, table] :
