@@ -9,6 +9,7 @@
 
 #include "core/error.hpp"
 #include "core/instruction_set.hpp"
+#include "core/sampled_response.hpp"
 
 namespace rosin::oscillators {
 
@@ -86,22 +87,21 @@ StringLanes::Taps::Taps(double wanted, DelayLine kind) : delay(wanted) {
     first = std::max(1, int(std::lround(wanted)));
     delay = first;
   } else if (kind == DelayLine::linear) {
-    first = int(std::floor(wanted)), count = 2;
-    weight[1] = wanted - first, weight[0] = 1 - weight[1];
+    first = int(std::floor(wanted));
+    weight = {1 - (wanted - first), wanted - first};
   } else {
-    first = int(std::floor(wanted)) - 1, count = 4;
+    first = int(std::floor(wanted)) - 1;
+    weight.assign(4, 1);
     const double at = wanted - first;
-    for (int j = 0; j < 4; ++j) {
-      weight[j] = 1;
+    for (int j = 0; j < 4; ++j)
       for (int i = 0; i < 4; ++i)
-        if (i != j) weight[j] *= (at - i) / (j - i);
-    }
+        if (i != j) weight[std::size_t(j)] *= (at - i) / (j - i);
   }
 }
 
 StringLanes::Line::Line(const Taps& at) : taps(at) {
   std::size_t size = 1;
-  while (size < std::size_t(at.first + at.count + 1)) size *= 2;
+  while (size < std::size_t(at.reach() + 2)) size *= 2;
   mask = size - 1;
   past.assign(size, Lanes(0.0));
 }
@@ -147,6 +147,53 @@ StringLanes::Waves StringLanes::make_waves(const BowedString& string, double imp
   return waves;
 }
 
+StringLanes::Taps StringLanes::measured_end(const BowedString& string, const BowedString::Reflection& function,
+                                            const char* name, double shift) {
+  const auto refuse = [&](const std::string& why) {
+    throw InputError(fmt::format("oscillator.reflection.{}: {}", name, why));
+  };
+  const auto response = sampled({function.time, function.value}, shift, string.step());
+  const double integral = response.sum();
+  constexpr double least_integral = 0.1;
+  if (integral > -least_integral)
+    refuse(
+        fmt::format("its integral over time is {:.4g}, where a fixed end has -1 and slow waves come back by {} or "
+                    "more of their height; look at its sign and its unit (1/s)",
+                    integral, least_integral));
+  if (response.first < 1)
+    refuse(
+        fmt::format("waves are back {:.4g} s after they leave the bow, less than a sample of oscillator.sample_rate "
+                    "= {} Hz; times count from the wave that leaves the bow, with its way to the end and back",
+                    function.time.front() + shift, string.sample_rate));
+  if (constexpr std::size_t most = 20'000; response.weights.size() > most)
+    refuse(fmt::format("it lasts {} samples, more than {}; cut its tail, or take a lower oscillator.sample_rate",
+                       response.weights.size(), most));
+  constexpr double rounding = 1e-6;  // of numbers in files
+  if (const auto largest = largest_gain(response); largest.gain > 1 + rounding)
+    refuse(
+        fmt::format("waves come back {:.7g} times as high at {:.5g} Hz, and no end gives more than it takes; divide "
+                    "the values by that",
+                    largest.gain, largest.frequency * string.sample_rate));
+  Taps taps;
+  taps.delay = response.delay(), taps.first = response.first;
+  taps.weight.clear();
+  for (const double w : response.weights) taps.weight.push_back(-w);
+  return taps;
+}
+
+/// Ends that were measured in place of those of numbers.
+void StringLanes::measured_ends(const BowedString& string, Waves& waves) {
+  const auto places = string.bow_positions();
+  if (const auto& end = string.bridge) {
+    waves.bridge = Line(measured_end(string, *end, "bridge", (places.front() - end->bow_position) * string.period()));
+    waves.bridge_gain = 1, waves.at_bridge.keep = 0;
+  }
+  if (const auto& end = string.nut) {
+    waves.nut = Line(measured_end(string, *end, "nut", (end->bow_position - places.back()) * string.period()));
+    waves.nut_gain = 1, waves.at_nut.keep = 0;
+  }
+}
+
 StringLanes::StringLanes(const BowedString& string, const std::shared_ptr<const FrictionLaw>& kind, double lambda)
     : string_(string), kind_(kind) {
   string.check();
@@ -160,6 +207,7 @@ StringLanes::StringLanes(const BowedString& string, const std::shared_ptr<const 
   const double R = string.bridge_resistance, Z = string.impedance;
   waves_.push_back(make_waves(string, Z, 1, string.quality, string.corner_rounding,
                               R == BowedString::none ? 1 : (R - Z) / (R + Z), dispersed));
+  measured_ends(string, waves_.front());
   if (const auto& torsion = string.torsion)
     waves_.push_back(
         make_waves(string, torsion->impedance, torsion->speed_ratio, torsion->quality, torsion->rounding, 1, 0));
@@ -183,12 +231,19 @@ StringLanes::StringLanes(const BowedString& string, const std::shared_ptr<const 
   for (int m = 0; m < string.bow.contacts; ++m) bows_.emplace_back(kind, lambda, string.step());
   velocity_.assign(bows_.size(), Lanes(0.0));
   friction_ = hair_stretch_ = hair_speed_ = velocity_;
+  constexpr double near = 0.05;
+  if (const double real = realised_frequency();
+      (string.bridge || string.nut) && std::abs(real / string.frequency - 1) > near)
+    throw InputError(
+        fmt::format("oscillator.frequency = {} Hz, but by oscillator.reflection slow waves go round in {:.6g} s, which "
+                    "is {:.6g} Hz; correct the frequency, or the times of the tables",
+                    string.frequency, 1 / real, real));
 }
 
 double StringLanes::realised_frequency() const {
   const auto& waves = waves_.front();
   double period = waves.bridge.taps.delay + (body_.empty() ? 0 : from_bridge_.taps.delay) + waves.nut.taps.delay +
-                  2 * Smoother::delay(waves.at_nut.keep);
+                  Smoother::delay(waves.at_bridge.keep) + Smoother::delay(waves.at_nut.keep);
   for (const auto& line : waves.rightward) period += 2 * line.taps.delay;
   if (!dispersion_.state.empty()) period += dispersing * (1 - dispersion_.a) / (1 + dispersion_.a);
   return string_.sample_rate / period;

@@ -54,6 +54,15 @@ struct BowedString {
   } bow;
   DelayLine delays = DelayLine::lagrange;
   double sample_rate = 192000;  ///< Hz
+  /// A measured reflection function of transverse waves, in place of travel, rounding and losses on one side of the bow
+  /// (McIntyre, Schumacher & Woodhouse 1983, section II): an impulse that leaves the bow comes back as h(t), with the
+  /// time on its way. A fixed end has ∫ h dt = −1.
+  struct Reflection {
+    std::vector<double> time, value;  ///< s, 1/s
+    double bow_position;              ///< β at which it was measured; h shifts by the way from there to the bow
+    bool operator==(const Reflection&) const = default;
+  };
+  std::optional<Reflection> bridge, nut;
 
   double period() const { return 1 / frequency; }
   double step() const { return 1 / sample_rate; }
@@ -132,17 +141,20 @@ class StringLanes {
   struct Taps {
     Taps() = default;
     Taps(double delay, DelayLine);
-    double delay = 0;  ///< as it has become, samples
-    int first = 1, count = 1;
-    double weight[4] = {1, 0, 0, 0};
+    int reach() const { return first + int(weight.size()) - 1; }  ///< the earliest sample
+    double delay = 0;                                             ///< as it has become, of slow waves, samples
+    int first = 1;
+    std::vector<double> weight = {1};
   };
   /// Samples of the past, as far as its taps reach.
   struct Line {
     Line() = default;
     explicit Line(const Taps&);
     ROSIN_INLINE Pack read(long n, int p, const Taps& at) const {
-      Pack sum = at.weight[0] * past[std::size_t(n - at.first) & mask].pack[p];
-      for (int i = 1; i < at.count; ++i) sum = sum + at.weight[i] * past[std::size_t(n - at.first - i) & mask].pack[p];
+      const double* weight = at.weight.data();
+      Pack sum = weight[0] * past[std::size_t(n - at.first) & mask].pack[p];
+      for (int i = 1, count = int(at.weight.size()); i < count; ++i)
+        sum = sum + weight[i] * past[std::size_t(n - at.first - i) & mask].pack[p];
       return sum;
     }
     ROSIN_INLINE Pack read(long n, int p) const { return read(n, p, taps); }
@@ -195,6 +207,9 @@ class StringLanes {
   void each_number(const F& f);
   static Waves make_waves(const BowedString&, double impedance, double speed_ratio, double quality, double rounding,
                           double reflection, double extra_delay);
+  /// \throws InputError where the function gives more than it takes, or is too quick or too long for the sample rate
+  static Taps measured_end(const BowedString&, const BowedString::Reflection&, const char* name, double shift);
+  void measured_ends(const BowedString&, Waves&);
   /// What comes back from the bridge, and its force.
   ROSIN_INLINE Pack reflect_at_bridge(int p);
   void start_helmholtz(int lane, const BowedStringModel&);

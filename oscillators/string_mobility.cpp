@@ -13,8 +13,8 @@ StringLanes::Mobility StringLanes::mobility(Complex s) const {
   const Complex z = std::exp(-s * dt);  // a delay of one sample
   const auto through = [&](const Taps& taps) {
     Complex sum = 0;
-    for (int i = 0; i < taps.count; ++i) sum += taps.weight[i] * std::pow(z, taps.first + i);
-    return sum;
+    for (auto weight = taps.weight.rbegin(); weight != taps.weight.rend(); ++weight) sum = sum * z + *weight;
+    return sum * std::pow(z, taps.first);
   };
   const auto smoothed = [&](const Smoother& by) {
     const Complex once = (1 - by.keep) / (1.0 - by.keep * z);

@@ -13,11 +13,11 @@ void StringLanes::each_number(const F& f) {
   const auto line = [&](Line& waves, int reach) {
     for (int i = 1; i <= reach; ++i) f(waves.past[std::size_t(n_ - i) & waves.mask], speed);
   };
-  const auto whole = [&](Line& waves) { line(waves, waves.taps.first + waves.taps.count - 1); };
+  const auto whole = [&](Line& waves) { line(waves, waves.taps.reach()); };
   for (auto& waves : waves_) {
     const bool presses = &waves == &waves_.front() && body_.empty();  // on the bridge, which reads its waves earlier
-    const int reach = waves.bridge.taps.first + waves.bridge.taps.count - 1;
-    line(waves.bridge, presses ? std::max(reach, to_bridge_.first + to_bridge_.count - 1) : reach);
+    const int reach = waves.bridge.taps.reach();
+    line(waves.bridge, presses ? std::max(reach, to_bridge_.reach()) : reach);
     whole(waves.nut);
     for (auto* lines : {&waves.rightward, &waves.leftward})
       for (auto& between : *lines) whole(between);

@@ -199,10 +199,16 @@ std::optional<SpecialPoint> Continuation::locate(const std::string& kind, const 
   for (int k = 0; k < most && bracket.width() > at_rest * length; ++k) {
     double l = bracket.secant();
     if (!bracket.holds(l)) l = 0.5 * (bracket.low + bracket.high);
-    Solution guess;
-    guess.x = a.x + l / length * (after.x - a.x);
-    guess.c = a.c + l / length * (c_after - a.c);
-    const auto at = correct(guess, direction, a, l);
+    const auto solution_at = [&](double along) {
+      Solution guess;
+      guess.x = a.x + along / length * (after.x - a.x);
+      guess.c = a.c + along / length * (c_after - a.c);
+      return correct(guess, direction, a, along);
+    };
+    auto at = solution_at(l);
+    // At the zero itself there may be no solution, as where stiffness vanishes.
+    constexpr double aside = 1e-7;
+    if (!at && !best) at = solution_at(l += aside * bracket.width());
     if (!at) break;
     auto point = point_of(*at);
     const auto* test = find(point.view, kind);

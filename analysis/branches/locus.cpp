@@ -19,20 +19,23 @@ using Eigen::MatrixXd, Eigen::VectorXd;
 
 namespace {
 
-constexpr const char* bautin = "bautin";
+constexpr const char *bautin = "bautin", *bogdanov_takens = "bogdanov-takens", *zero_hopf = "zero-hopf";
 
-/// Re λ(p, q)/ω = 0 of the mode whose frequency is nearest to that of the point before. The unknown is q, as its scale
-/// has it.
+/// Half the sum of two eigenvalues, over a frequency, is 0: those whose sum and product are nearest to 0 and to the
+/// product at the point before. The product is the square of the frequency where they are a pair, and negative where
+/// they are real: the curve goes on through a double zero. The unknown is q, as its scale has it.
 class HopfProblem final : public Problem {
  public:
   HopfProblem(const Family2& family, const LocusOptions& options, double angular_frequency)
-      : family_(family), options_(options), angular_frequency_(angular_frequency) {}
+      : family_(family),
+        options_(options),
+        frequency_(angular_frequency),
+        product_(angular_frequency * angular_frequency) {}
 
   Residual residual(const VectorXd& x, double p, double, bool slopes) override {
     Residual result;
     try {
-      const auto here = mode_at(p, x[0]);
-      result.F = VectorXd::Constant(1, here.value.real() / angular_frequency_);
+      result.F = VectorXd::Constant(1, mode_at(p, x[0]).growth / frequency_);
       if (!slopes) return result;
       const double c = options_.p.coordinate(p);
       result.F_x = MatrixXd::Constant(1, 1, difference([&](double aside) { return mode_at(p, x[0] + aside); }));
@@ -51,11 +54,12 @@ class HopfProblem final : public Problem {
     View view;
     try {
       const auto here = mode_at(p, x[0]);
-      constexpr double least = 1e-3;  // of the frequency before
-      if (!(std::abs(here.value.imag()) > least * angular_frequency_))
-        view.outcome = {Ending::none_exists, "the frequency goes to 0"};
-      view.metrics["angular_frequency"] = std::abs(here.value.imag());
-      view.metrics["growth_error"] = here.error;
+      view.metrics["angular_frequency"] = std::sqrt(std::max(here.product, 0.0));
+      view.metrics[growth_error] = here.error / frequency_;
+      const double square = frequency_ * frequency_;
+      view.tests.push_back({bogdanov_takens, here.product / square, here.product_error / square});
+      if (std::isfinite(here.real))
+        view.tests.push_back({zero_hopf, here.real / frequency_, here.real_error / frequency_});
       add_normal_form(p, options_.q.value(x[0]), view);
     } catch (const InputError& error) {
       view.outcome = {Ending::none_exists, error.what()};
@@ -70,16 +74,19 @@ class HopfProblem final : public Problem {
   }
 
   bool refer_to(VectorXd& x, double p, double) override {
-    angular_frequency_ = std::abs(mode_at(p, x[0]).value.imag());
+    product_ = mode_at(p, x[0]).product;
     return false;
   }
   int in_common() const override { return 1; }
 
+  static constexpr const char* growth_error = "growth_error";  ///< over the frequency at the start
+
  private:
   void add_normal_form(double p, double q, View& view) const {
-    if (!options_.normal_form) return;
+    const double angular_frequency = view.metrics.at("angular_frequency");
+    if (!options_.normal_form || angular_frequency == 0) return;
     try {
-      const auto form = options_.normal_form(p, q, view.metrics.at("angular_frequency"));
+      const auto form = options_.normal_form(p, q, angular_frequency);
       if (!form) return;
       view.tests.push_back({bautin, form->value, form->error});
       view.metrics["first_lyapunov_coefficient"] = form->value;
@@ -87,35 +94,59 @@ class HopfProblem final : public Problem {
     }
   }
   struct Mode {
-    std::complex<double> value;
-    double error;
-    double apart;  ///< from the next eigenvalue, over the frequency
+    double growth, product;  ///< half the sum of the two eigenvalues, 1/s; 1/s²
+    double error, product_error;
+    double apart;  ///< from the next eigenvalue, over the frequency at the start
+    /// Of the real eigenvalues beside them the one nearest to 0, with the sign of their product; NaN: there is none.
+    double real = NAN, real_error = 0;
   };
   Mode mode_at(double p, double c_q) const {
     const auto oscillator = family_(p, options_.q.value(c_q));
-    const auto spectrum = steady::spectrum_of_sliding(oscillator->linearised().moving());
-    const auto off = [&](std::size_t k) {
-      return std::abs(spectrum.values[k] - std::complex(0.0, angular_frequency_));
-    };
-    std::size_t nearest = 0;
-    for (std::size_t k = 1; k < spectrum.values.size(); ++k)
-      if (off(k) < off(nearest)) nearest = k;
-    Mode mode{spectrum.values[nearest], spectrum.errors[nearest], infinity};
-    for (std::size_t k = 0; k < spectrum.values.size(); ++k)
-      if (k != nearest)
-        mode.apart = std::min(mode.apart, std::abs(spectrum.values[k] - mode.value) / angular_frequency_);
+    const auto [values, errors] = steady::spectrum_of_sliding(oscillator->linearised().moving());
+    constexpr double least = 0.03;  // of the frequency at the start
+    const double frequency = std::max(std::sqrt(std::abs(product_)), least * frequency_);
+    Mode mode{NAN, NAN, 0, 0, infinity};
+    double nearest = infinity;
+    std::size_t first = 0, second = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      // A complex eigenvalue stands for its pair, a real one goes with each of the others.
+      const bool pair = values[i].imag() != 0;
+      for (std::size_t j = pair ? i : i + 1; j < (pair ? i + 1 : values.size()); ++j) {
+        if (values[i].imag() < 0 || (!pair && values[j].imag() != 0)) continue;
+        const double a = values[i].real(), b = values[j].real();
+        const double growth = 0.5 * (a + b), product = pair ? std::norm(values[i]) : a * b;
+        const double off = std::hypot(growth, (product - product_) / (2 * frequency));
+        if (!(off < nearest)) continue;
+        nearest = off, first = i, second = j;
+        mode.growth = growth, mode.product = product;
+        mode.error = 0.5 * (errors[i] + errors[j]);
+        mode.product_error = std::abs(values[i]) * errors[j] + std::abs(values[j]) * errors[i];
+      }
+    }
+    if (nearest == infinity) throw InputError("no two modes are left whose growth rates add up to 0");
+    double sign = 1;
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (k == first || k == second || std::abs(values[k] - std::conj(values[first])) == 0) continue;
+      mode.apart = std::min(mode.apart, std::abs(values[k] - values[first]) / frequency_);
+      const double real = values[k].real();
+      if (values[k].imag() != 0) continue;
+      sign *= real > 0 ? 1 : -1;
+      if (std::isnan(mode.real) || std::abs(real) < std::abs(mode.real)) mode.real = real, mode.real_error = errors[k];
+    }
+    mode.real = sign * std::abs(mode.real);
     return mode;
   }
   /// By differences: Newton's method needs no better.
   template <class At>
   double difference(At at) const {
     constexpr double aside = 1e-5;
-    return (at(aside).value.real() - at(-aside).value.real()) / (2 * aside * angular_frequency_);
+    return (at(aside).growth - at(-aside).growth) / (2 * aside * frequency_);
   }
 
   const Family2& family_;
   const LocusOptions& options_;
-  double angular_frequency_;
+  double frequency_;  ///< at the start
+  double product_;    ///< at the point before
   VectorXd scale_ = VectorXd::Ones(1);
 };
 
@@ -123,27 +154,30 @@ class HopfProblem final : public Problem {
 LocusPoint locus_point(HopfProblem& problem, const BranchPoint& at, const LocusOptions& options) {
   const auto slopes = problem.residual(at.x, at.p, options.tolerance, true);
   const double c = options.p.coordinate(at.p), by_p = slopes.F_p[0] * options.p.slope(c), by_q = slopes.F_x(0, 0);
-  const double off = at.view.metrics.at("growth_error") / at.view.metrics.at("angular_frequency");
+  const double off = at.view.metrics.at(HopfProblem::growth_error);
   const double per_slope = off / (by_p * by_p + by_q * by_q);
   const double p_slope = std::abs(options.p.slope(c)), q_slope = std::abs(options.q.slope(at.x[0]));
   constexpr double rounding = 4e-16;
   const double q = options.q.value(at.x[0]);
   auto metrics = at.view.metrics;
-  metrics.erase("growth_error");
+  metrics.erase(HopfProblem::growth_error);
   return {at.p, q, at.error + per_slope * std::abs(by_p) * p_slope + rounding * std::abs(at.p),
           (at.x_error + per_slope * std::abs(by_q)) * q_slope + rounding * std::abs(q), std::move(metrics)};
 }
 
-/// A Bautin point with what the error of its coefficient leaves open along the curve.
+/// A point at which a test is 0, with what the test's error leaves open along the curve.
 LocusEvent event_at(HopfProblem& problem, const SpecialPoint& special, const Branch& branch,
                     const LocusOptions& options) {
   BranchPoint there;
   there.p = special.p, there.error = special.error, there.x = special.x, there.view = special.view;
   LocusEvent event{special.kind, locus_point(problem, there, options)};
   const auto &before = branch.points[special.after], &after = branch.points[special.after + 1];
-  const auto coefficient = [](const Problem::View& view) { return view.metrics.at("first_lyapunov_coefficient"); };
-  const double open = special.view.tests.front().error + std::abs(coefficient(special.view));
-  const double per_value = open / std::abs(coefficient(after.view) - coefficient(before.view));
+  const auto test = [&](const Problem::View& view) {
+    return *std::ranges::find(view.tests, special.test, &Problem::Test::kind);
+  };
+  const auto here = test(special.view);
+  const double per_value =
+      (here.error + std::abs(here.value)) / std::abs(test(after.view).value - test(before.view).value);
   event.at.p_error += per_value * std::abs(after.p - before.p);
   event.at.q_error += per_value * std::abs(options.q.value(after.x[0]) - options.q.value(before.x[0]));
   return event;
@@ -159,22 +193,34 @@ std::string follow_hopf(HopfProblem& problem, Continuation& continuation, const 
                         const BranchPoint& start, double sign, std::vector<LocusPoint>& points,
                         std::vector<LocusEvent>& events) {
   const auto inside = [](const BranchPoint& point) { return point.x[0] >= 0 && point.x[0] <= 1; };
-  continuation.arrived = inside;
+  const auto oscillates = [](const BranchPoint& point) {
+    const auto& square_of_frequency = point.view.tests.front();
+    return square_of_frequency.value > 0 || !square_of_frequency.has_sign();
+  };
+  continuation.arrived = [&](const BranchPoint& point) { return inside(point) && oscillates(point); };
   auto branch = continuation.follow(start, Direction{VectorXd::Constant(1, sign), 0});
   if (branch.outcome.ending == Ending::interrupted) throw Stopped{};
+  std::vector<LocusPoint> last;
   for (const auto& special : branch.special)
-    if (special.x[0] >= 0 && special.x[0] <= 1) events.push_back(event_at(problem, special, branch, options));
+    if (special.x[0] >= 0 && special.x[0] <= 1) {
+      events.push_back(event_at(problem, special, branch, options));
+      if (special.test == bogdanov_takens) last = {events.back().at};
+    }
   std::string end = branch.outcome.detail;
-  if (auto outside = branch.points.back(); !inside(outside)) {
+  if (auto outside = branch.points.back(); !oscillates(outside)) {
+    end = "the frequency goes to 0";
+    branch.points.pop_back();
+  } else if (!inside(outside)) {
     end.clear();
     branch.points.pop_back();
     const double border = outside.x[0] < 0 ? 0 : 1;
     constexpr double on_it = 1e-9;
     const bool is_there = std::abs(branch.points.back().x[0] - border) < on_it;
-    if (const auto last = is_there ? std::nullopt : at_q(continuation, border, outside.p))
-      branch.points.push_back(*last);
+    if (const auto there = is_there ? std::nullopt : at_q(continuation, border, outside.p))
+      branch.points.push_back(*there);
   }
   for (const auto& point : branch.points) points.push_back(locus_point(problem, point, options));
+  points.insert(points.end(), last.begin(), last.end());
   return end;
 }
 

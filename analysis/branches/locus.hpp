@@ -34,8 +34,9 @@ struct LocusPoint {
 
 /// A point on a curve at which a second condition holds.
 struct LocusEvent {
-  /// "bautin": the first Lyapunov coefficient is 0. "resonance-1:1", …, "resonance-1:4": the pair of multipliers of a
-  /// torus has a 1st, …, 4th power 1.
+  /// "bautin": the first Lyapunov coefficient is 0. "zero-hopf": beside the pair a real eigenvalue is 0.
+  /// "bogdanov-takens": the frequency is 0, and the curve ends. "resonance-1:1", …, "resonance-1:4": the pair of
+  /// multipliers of a torus has a 1st, …, 4th power 1.
   std::string kind;
   LocusPoint at;
 };

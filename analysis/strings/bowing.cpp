@@ -10,6 +10,7 @@
 #include <mutex>
 
 #include "core/instruction_set.hpp"
+#include "core/sampled_response.hpp"
 #include "core/stop.hpp"
 #include "core/workers.hpp"
 
@@ -45,9 +46,13 @@ class Sounding {
 
   void begin(int lane, const BowedStringModel& model) {
     strings_.begin(lane, model);
+    slipping_.set(lane, 0), distance_.set(lane, 0);
+    go_on(lane, model);
+  }
+  /// What has become of a lane is told anew from here on; its motion goes on.
+  void go_on(int lane, const BowedStringModel& model) {
     auto& voice = voices_[lane];
     voice = Voice{.model = &model, .begun = sample_};
-    slipping_.set(lane, 0), distance_.set(lane, 0);
     const double rate = model.string.sample_rate;
     const double due = options_.duration > 0
                            ? options_.duration
@@ -253,6 +258,32 @@ Bowing bow(const BowedStringModel& model, const BowingOptions& options) {
   return bow(std::span(&model, 1), options, 1).front();
 }
 
+std::vector<std::vector<Bowing>> bow_in_stages(std::span<const BowedStringModel> models, const BowingOptions& options,
+                                               int stages) {
+  if (models.size() > std::size_t(lane_count)) throw InputError("more strings than lanes sound in stages");
+  Sounding sounding(models.front(), options);
+  std::vector<std::vector<Bowing>> results(models.size());
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    auto all = options;
+    all.duration *= stages;
+    most_samples(models[i], all);
+    sounding.begin(int(i), models[i]);
+  }
+  for (std::size_t sounds = models.size(); sounds > 0;) {
+    if (!sounding.step()) continue;
+    end_if_stopped();
+    sounding.look([&](int lane) {
+      auto& done = results[std::size_t(lane)];
+      done.push_back(sounding.finish(lane));
+      if (int(done.size()) < stages)
+        sounding.go_on(lane, models[std::size_t(lane)]);
+      else
+        --sounds;
+    });
+  }
+  return results;
+}
+
 BowedStringModel finer(BowedStringModel model, double factor) {
   model.string.sample_rate *= factor;
   return model;
@@ -305,6 +336,18 @@ StringRecord record(const BowedStringModel& model, const BowingOptions& options)
     });
   }
   return record;
+}
+
+double hear(StringRecord& record, const Signal::Table& response, const BowedStringModel& model, int periods) {
+  const double step = model.string.step();
+  record.sound = convolved(record.sound, sampled(response, 0, step));
+  for (const double t : record.time) record.heard.push_back(record.sound[std::size_t(std::lround(t / step))]);
+  const auto last = std::min(record.sound.size(), std::size_t(std::lround(periods * model.string.period() / step)));
+  const auto end = std::span(record.sound).last(last);
+  double mean = 0, squares = 0;
+  for (const double x : end) mean += x / double(last);
+  for (const double x : end) squares += (x - mean) * (x - mean);
+  return std::sqrt(squares / double(last));
 }
 
 }  // namespace rosin::analysis::strings

@@ -43,6 +43,10 @@ Bowing bow(const BowedStringModel&, const BowingOptions&);
 std::vector<Bowing> bow(std::span<const BowedStringModel>, const BowingOptions&, int threads,
                         const std::function<void(std::size_t)>& finished = {});
 
+/// Up to 32 strings of one kind, in stages one after another, each of options.duration: what becomes of a string in
+/// each, told as if it began there.
+std::vector<std::vector<Bowing>> bow_in_stages(std::span<const BowedStringModel>, const BowingOptions&, int stages);
+
 /// The string sampled more finely, from whose motion errors of sampling are told.
 BowedStringModel finer(BowedStringModel, double factor = 2);
 
@@ -52,8 +56,13 @@ struct StringRecord {
   std::vector<std::vector<double>> states;  ///< of the law, one list each, of the first contact
   std::vector<std::vector<double>> contact_velocity, contact_friction;  ///< where the bow has several
   std::vector<double> sound;                                            ///< force on the bridge at every sample, N
+  std::vector<double> heard;                                            ///< by the response of a body, see hear()
   Bowing bowing;
 };
 StringRecord record(const BowedStringModel&, const BowingOptions&);
+/// Fills `heard` at the times of the record, and sets `sound` to it at every sample: ∫ h(t) F(t' − t) dt of a response
+/// h to an impulse of 1 N s on the bridge, with the force as linear between samples and as constant before the first.
+/// Returns its root mean square about the mean over the last periods.
+double hear(StringRecord&, const Signal::Table& response, const BowedStringModel&, int periods);
 
 }  // namespace rosin::analysis::strings

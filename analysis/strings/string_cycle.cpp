@@ -134,4 +134,28 @@ std::vector<StringCycle> string_cycles(std::span<const BowedStringModel> models,
   return cycles;
 }
 
+std::vector<std::vector<StringCycle>> string_cycles_along(const BowedStringModel& model,
+                                                          Gesture BowedStringModel::*moved,
+                                                          std::span<const std::vector<double>> values, double periods,
+                                                          const TransientOptions& transient) {
+  const auto options = until_periodic(model, periods, transient);
+  std::vector<BowedStringModel> models, fine;
+  for (const auto& way : values) {
+    Signal::Table table{{0}, {way.front()}};
+    for (std::size_t k = 1; k < way.size(); ++k)
+      for (const auto& [part, value] : {std::pair{0.0, way[k - 1]}, {0.5, way[k]}})
+        table.time.push_back((double(k) + part) * options.duration), table.value.push_back(value);
+    models.push_back(model);
+    (models.back().*moved).signal = Signal(std::move(table));
+    fine.push_back(finer(models.back()));
+  }
+  const int stages = int(values.front().size());
+  const auto bowings = bow_in_stages(models, options, stages), again = bow_in_stages(fine, options, stages);
+  std::vector<std::vector<StringCycle>> cycles(values.size());
+  for (std::size_t way = 0; way < values.size(); ++way)
+    for (std::size_t k = 0; k < values[way].size(); ++k)
+      cycles[way].push_back(cycle_of(model, bowings[way][k], again[way][k], transient));
+  return cycles;
+}
+
 }  // namespace rosin::analysis::strings

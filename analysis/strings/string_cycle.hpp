@@ -8,6 +8,8 @@
 
 namespace rosin::analysis::strings {
 
+using oscillators::Gesture;
+
 /// Numbers of one period.
 struct StringPeriod {
   struct Measure {
@@ -41,6 +43,12 @@ StringCycle cycle_of(const BowedStringModel&, const Bowing&, const Bowing& finer
 /// that. \throws InputError where a bow changes its speed or load.
 std::vector<StringCycle> string_cycles(std::span<const BowedStringModel>, double periods, const TransientOptions&,
                                        int threads);
+/// The same along values of the bow's load or speed, each going on from the motion at the value before: a force or
+/// speed that moves evenly to its next value in the first half of these periods, and stays there in the second. \param
+/// values  in their order, for each way on which the string goes; as many of each
+std::vector<std::vector<StringCycle>> string_cycles_along(const BowedStringModel&, Gesture BowedStringModel::*moved,
+                                                          std::span<const std::vector<double>> values, double periods,
+                                                          const TransientOptions&);
 /// \throws InputError where a bow changes its speed or load, or does not move
 void require_steady_bow(const BowedStringModel&);
 /// How a string is bowed for that.

@@ -150,6 +150,9 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
   if (!states.empty() && states.front().name == "temperature_rise")
     add("temperature rise", "K", extent(record.states.front()), {{.table = "run.csv", .y = {9}}});
   add("bridge force", "N", extent(record.bridge_force), {{.table = "run.csv", .y = {7}}});
+  if (task.sound)
+    add("sound", task.sound->unit.c_str(), extent(record.heard),
+        {{.table = "run.csv", .y = {int(9 + states.size() + 2 * record.contact_velocity.size())}}});
   auto files = write(folder, figure);
 
   // Friction against slip rate over the last periods, and the steady curve.

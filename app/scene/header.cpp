@@ -88,6 +88,18 @@ std::string unit_cell(std::string_view text) {
   return spelt(cell);
 }
 
+namespace {
+/// Of the bracket that the last character closes: "response (Pa/(N s))" has one within. npos: there is none.
+std::size_t opening_of_last(std::string_view text, char open, char close) {
+  int depth = 0;
+  for (auto at = text.size(); at-- > 0;) {
+    depth += text[at] == close ? 1 : text[at] == open ? -1 : 0;
+    if (depth == 0) return text[at] == open ? at : std::string_view::npos;
+  }
+  return std::string_view::npos;
+}
+}  // namespace
+
 HeaderCell header_cell(std::string_view text) {
   const auto whole = trimmed(text);
   HeaderCell cell{std::string(whole), std::string(whole), ""};
@@ -100,7 +112,7 @@ HeaderCell header_cell(std::string_view text) {
     return cell;
   };
   for (const auto& [open, close] : brackets)
-    if (const auto at = whole.rfind(open); whole.ends_with(close) && at != std::string_view::npos)
+    if (const auto at = opening_of_last(whole, open, close); whole.ends_with(close) && at != std::string_view::npos)
       return take(at, spelt(whole.substr(at + 1, whole.size() - at - 2)));
   for (const auto& [open, close] : brackets)  // "load [kN] filtered"
     if (const auto at = whole.find(open), end = whole.find(close, at); end != std::string_view::npos)
@@ -165,6 +177,11 @@ Conversion conversion_to_si(const HeaderCell& cell, const RecordColumn& column) 
                       "file's, or overrule it by factor = 1 beside the unit",
                       cell.unit, given));
   }
+  if (unit.empty() && column.unit_needed)
+    refuse(
+        fmt::format("no unit is given; write it in the header, as \"{} ({})\", or in the scene: {{ column = …, unit "
+                    "= \"{}\" }}",
+                    cell.name.empty() ? "name" : cell.name, column.si, column.si));
   double scale = 1;
   if (!unit.empty()) try {
       if (const auto parsed = parse_unit(unit); parsed && parsed->offset)

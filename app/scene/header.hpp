@@ -16,6 +16,7 @@ struct RecordColumn {
   int number = 0;                     ///< of the column, from 1
   std::optional<double> factor = {};  ///< of a calibration
   double offset = 0;
+  bool unit_needed = false;  ///< a number without a unit is refused, not taken as SI
 };
 
 /// One column: "speed (mm/s)", "speed [mm/s]", "speed / mm/s", "speed, mm/s", "speed mm/s", "speed_mm_s".

@@ -9,7 +9,7 @@ namespace rosin::app::scene {
 namespace fs = std::filesystem;
 
 Signal::Table read_table_file(const toml::node& node, const std::string& path, const std::string& unit,
-                              const fs::path& folder) {
+                              const fs::path& folder, bool units_needed) {
   RecordSource source;
   RecordColumn time{"", "", "s", 1}, value{"", "", unit, 2};
   bool chosen = false;
@@ -25,6 +25,7 @@ Signal::Table read_table_file(const toml::node& node, const std::string& path, c
     const fs::path file = text(node, path);
     source.file = file.is_absolute() ? file : folder / file;
   }
+  time.unit_needed = value.unit_needed = units_needed;
   source.columns = {std::move(time), std::move(value)};
   source.least = 1;
   if (!chosen) source.width = 2;

@@ -10,8 +10,9 @@ namespace rosin::app::scene {
 
 /// A table in a file: its name, or { file, time, value } with columns; without these a time in s and a value in `unit`
 /// in two columns. \throws InputError with the line.
+/// \param units_needed  numbers without a unit are refused
 Signal::Table read_table_file(const toml::node&, const std::string& path, const std::string& unit,
-                              const std::filesystem::path& folder);
+                              const std::filesystem::path& folder, bool units_needed = false);
 
 /// In the units of `quantity`; files are looked for in `folder`. \throws InputError with the place of what is wrong,
 /// and where the signal leaves the quantity's range.

@@ -63,11 +63,40 @@ void read_bow(Table& table, BowedString& string) {
   keys->finish();
 }
 
+/// [oscillator] reflection: measured functions of the ends, in place of the numbers that describe them otherwise.
+void read_reflection(const SceneReader& reader, Table& table, BowedString& string) {
+  auto keys = table.table("reflection");
+  if (!keys) return;
+  keys->expect({"bridge", "nut", "bow_position"});
+  double measured_at = 0;
+  keys->required("bow_position", "beta at which the bow stood");
+  keys->read("bow_position", measured_at,
+             {"", "1", {1e-4, 0.9999}, "place of the bow at which reflections were measured, beta"});
+  for (const auto& [name, into] : {std::pair{"bridge", &string.bridge}, {"nut", &string.nut}})
+    if (const auto* file = keys->find(name)) {
+      const auto record = read_table_file(*file, keys->path(name), "1/s", reader.folder, true);
+      located(file->source(), [&] { Signal{record}; });  // refuses records without order
+      into->emplace(BowedString::Reflection{record.time, record.value, measured_at});
+    }
+  if (!string.bridge && !string.nut)
+    fail(table.find("reflection")->source(), "{} needs bridge, nut or both: tables of time and 1/s",
+         table.path("reflection"));
+  keys->finish();
+  const auto replaced = [&](const char* key, const char* by) {
+    if (const auto* node = table.find(key))
+      fail(node->source(), "{} has no effect beside oscillator.reflection.{}, which says how waves come back",
+           table.path(key), by);
+  };
+  if (string.bridge) replaced("bridge_resistance", "bridge"), replaced("body", "bridge");
+  if (string.nut) replaced("quality", "nut"), replaced("stiffness", "nut");
+  if (string.bridge && string.nut) replaced("corner_rounding", "bridge and nut");
+}
+
 void read_string_keys(SceneReader& reader, Table table, bool) {
   auto& model = (reader.scene.string = std::make_shared<tasks::Bowing>())->model;
   auto& string = model.string;
   table.expect({"type", "frequency", "impedance", "bow_position", "quality", "corner_rounding", "bridge_resistance",
-                "torsion", "delays", "sample_rate", "stiffness", "length", "body", "bow"});
+                "torsion", "delays", "sample_rate", "stiffness", "length", "body", "bow", "reflection"});
   table.find("type");
   table.read("frequency", string.frequency, {"", "Hz", {0.1, 1e5}, "frequency of the open string"});
   table.read("impedance", string.impedance, {"", "kg/s", {1e-9, 1e9}, "impedance of transverse waves"});
@@ -90,6 +119,7 @@ void read_string_keys(SceneReader& reader, Table table, bool) {
   table.read("length", string.length, {"", "m", {1e-3, 1e3}, "length of the string"});
   read_body(table, string);
   read_bow(table, string);
+  read_reflection(reader, table, string);
   table.finish();
   const auto& law = reader.scene.model;
   const auto& of_law = reader.document.get("law")->source();
@@ -136,10 +166,26 @@ void read_start(Table& table, oscillators::StringStart& into) {
                                                                                 : oscillators::StringStart::helmholtz;
 }
 
-/// [run]: duration (s) or periods after the first slip, samples that are kept, start.
+/// [run] sound: the response of body and room, whose unit is that of the sound per N s.
+void read_sound(const SceneReader& reader, Table& table, tasks::Bowing& task) {
+  auto keys = table.table("sound");
+  if (!keys) return;
+  keys->expect({"response", "unit"});
+  auto& sound = task.sound.emplace();
+  const auto& response = keys->required("response", "table of the answer to an impulse on the bridge");
+  const auto& unit = keys->required("unit", "of the sound, such as \"Pa\" or \"m/s\"");
+  sound.unit = text(unit, keys->path("unit"));
+  located(unit.source(), [&] { Reference::to_si("1 " + sound.unit, sound.unit); });
+  sound.response =
+      read_table_file(response, keys->path("response"), fmt::format("({})/(N s)", sound.unit), reader.folder, true);
+  located(response.source(), [&] { Signal{sound.response}; });
+  keys->finish();
+}
+
+/// [run]: duration (s) or periods after the first slip, samples that are kept, start, what is heard.
 void read_run(SceneReader& reader, Table table) {
   auto& task = *reader.scene.string;
-  table.expect({"duration", "periods", "samples", "start"});
+  table.expect({"duration", "periods", "samples", "start", "sound"});
   if (const auto* duration = table.find("duration"); duration && table.find("periods"))
     fail(duration->source(), "give {} or {}, not both", table.path("duration"), table.path("periods"));
   table.read("duration", task.options.duration, {"", "s", {1e-6, 1e4}, "time that is computed"});
@@ -147,6 +193,7 @@ void read_run(SceneReader& reader, Table table) {
              {"", "1", {1, 1e5}, "periods of the open string that are computed after the first slip"});
   table.read("samples", task.samples, 1, most_points, "most samples that the record keeps");
   read_start(table, task.model.start);
+  read_sound(reader, table, task);
   table.finish();
 }
 

@@ -53,6 +53,7 @@ std::vector<StringColumn> columns_of(const StringRecord& record, const tasks::Bo
     columns.push_back({fmt::format("string_velocity_{}", m + 1), "m/s", &record.contact_velocity[m]});
     columns.push_back({fmt::format("friction_force_{}", m + 1), "N", &record.contact_friction[m]});
   }
+  if (task.sound) columns.push_back({"sound", task.sound->unit, &record.heard});
   return columns;
 }
 
@@ -68,7 +69,7 @@ StringRecord thinned(StringRecord record, int most) {
     list.resize(kept);
   };
   for (auto* list : {&record.time, &record.bow_speed, &record.velocity, &record.friction, &record.slip_rate,
-                     &record.normal_load, &record.bridge_force, &record.stick})
+                     &record.normal_load, &record.bridge_force, &record.stick, &record.heard})
     thin(*list);
   for (auto* lists : {&record.states, &record.contact_velocity, &record.contact_friction})
     for (auto& list : *lists) thin(list);
@@ -101,6 +102,8 @@ results::Table table_of(std::string name, const StringRecord& record, const task
   return results::rows(std::move(name), std::move(columns));
 }
 
+std::string sound_file(const tasks::Bowing& task) { return task.sound ? "sound.wav" : "bridge.wav"; }
+
 results::Result result_of(const Job& job, const StringRecord& record, const std::vector<StringMetric>& metrics,
                           const oscillators::StringLanes& realised, double full_scale) {
   const auto& task = *job.scene().string;
@@ -127,8 +130,10 @@ results::Result result_of(const Job& job, const StringRecord& record, const std:
   result["string"] = {{"surface_impedance", task.model.string.surface_impedance()},
                       {"realised_frequency", realised.realised_frequency()},
                       {"realised_bow_position", realised.realised_bow_position()}};
-  result["sound"] = {
-      {"file", "bridge.wav"}, {"full_scale", full_scale}, {"unit", "N"}, {"above", output::lowest_heard}};
+  result["sound"] = {{"file", sound_file(task)},
+                     {"full_scale", full_scale},
+                     {"unit", task.sound ? task.sound->unit : "N"},
+                     {"above", output::lowest_heard}};
   result["solver"] = "travelling waves";
   result.cost = {{"steps", record.bowing.samples}};
   result.tables = {std::move(table)};
@@ -138,10 +143,22 @@ results::Result result_of(const Job& job, const StringRecord& record, const std:
 }  // namespace
 
 StringRun run_of(const tasks::Bowing& task) {
+  const auto finer = analysis::strings::finer(task.model);
   StringRun run{analysis::strings::record(task.model, task.options), {}};
-  run.metrics = metrics_of_string(task.model.string, run.record.bowing,
-                                  analysis::strings::bow(analysis::strings::finer(task.model), task.options),
-                                  task.options.transient.most);
+  const auto add_metrics = [&](const Bowing& fine) {
+    run.metrics = metrics_of_string(task.model.string, run.record.bowing, fine, task.options.transient.most);
+  };
+  if (!task.sound) {
+    add_metrics(analysis::strings::bow(finer, task.options));
+    return run;
+  }
+  auto fine = analysis::strings::record(finer, task.options);
+  add_metrics(fine.bowing);
+  const int periods = task.options.transient.periods;
+  const double level = analysis::strings::hear(run.record, task.sound->response, task.model, periods),
+               finely = analysis::strings::hear(fine, task.sound->response, finer, periods);
+  run.metrics.push_back({"sound", task.sound->unit.c_str(), "root mean square about the mean at the end", level,
+                         std::abs(level - finely)});
   return run;
 }
 
@@ -154,6 +171,8 @@ Status perform_string_run(Job& job) {
       "waves between bridge, bow and nut at {} samples per second; beta {:.6g}, {:.6g} Hz as the delays have it",
       string.sample_rate, realised.realised_bow_position(), realised.realised_frequency());
   job.explain("{}", string.torsion ? "torsional waves beside the transverse ones" : "no torsional waves, as asked");
+  if (task.sound)
+    job.explain("sound: the bridge's force through the response, which is linear between its rows, integrated exactly");
   const auto begin = std::chrono::steady_clock::now();
   const auto [record, metrics] = run_of(task);
   job.explain("{} steps, and as many again at twice the sample rate, whose difference is the error",
@@ -172,7 +191,7 @@ Status perform_string_run(Job& job) {
       job.say("  {:<18} {}  ({})", metric.name, justified(metric.value, metric.error, metric.unit), metric.meaning);
   if (transient.length >= task.options.transient.most && !transient.slips.empty())
     job.say("  no Helmholtz motion within {} periods of the first slip", task.options.transient.most);
-  const double full_scale = output::write_wav(job.folder() / "bridge.wav", record.sound, string.sample_rate);
+  const double full_scale = output::write_wav(job.folder() / sound_file(task), record.sound, string.sample_rate);
   const auto kept = thinned(record, task.samples);
   if (std::ssize(kept.time) < record.bowing.samples) {
     scene.notes.push_back(
@@ -181,7 +200,7 @@ Status perform_string_run(Job& job) {
                     record.bowing.samples > long(scene::most_points) ? "more" : "all"));
     job.note(scene.notes.back());
   }
-  std::vector<std::string> files = {"bridge.wav"};
+  std::vector<std::string> files = {sound_file(task)};
   if (kept.time.size() > 1)
     for (auto& file : output::write_string_picture(job.folder(), scene, kept)) files.push_back(std::move(file));
   return job.finish(result_of(job, kept, metrics, realised, full_scale), std::move(files));
@@ -293,32 +312,50 @@ Status perform_string_cycle(Job& job) {
 analysis::planes::Sweep sweep_of_strings(Job& job) {
   auto& scene = job.scene();
   const auto& task = *scene.string;
-  const auto& axis = scene.task<tasks::Sweep>().options.axis;
-  std::vector<oscillators::BowedStringModel> models;
-  for (const double value : axis.values) {
-    models.push_back(scene.family->string_with({{axis.parameter, value}}));
-    models.back().start = task.model.start;  // of [cycle], which a family does not vary
-  }
-  const auto cycles =
-      analysis::strings::string_cycles(models, task.periods, task.options.transient, job.request().threads);
+  const auto& options = scene.task<tasks::Sweep>().options;
+  const auto& axis = options.axis;
   analysis::planes::Sweep sweep;
   std::size_t place = 0;
   for (const auto& [name, unit, meaning, member] : analysis::strings::string_period_names())
     sweep.metrics.push_back({name, unit, meaning, nullptr, place++});
-  for (const auto& cycle : cycles) {
-    auto& point = sweep.up.emplace_back();
-    point.done = true;
-    point.metrics = analysis::planes::undecided_point();
-    point.metrics.done = true, point.metrics.origin = analysis::planes::Origin::computed;
-    for (const auto& metric : analysis::strings::string_period_names()) {
-      point.metrics.measures.push_back((cycle.period.*metric.member).value);
-      point.metrics.measure_errors.push_back((cycle.period.*metric.member).error);
+  const auto add = [](std::vector<analysis::planes::SweepPoint>& points,
+                      const std::vector<analysis::strings::StringCycle>& cycles) {
+    for (const auto& cycle : cycles) {
+      auto& point = points.emplace_back();
+      point.done = true;
+      point.metrics = analysis::planes::undecided_point();
+      point.metrics.done = true, point.metrics.origin = analysis::planes::Origin::computed;
+      for (const auto& metric : analysis::strings::string_period_names()) {
+        point.metrics.measures.push_back((cycle.period.*metric.member).value);
+        point.metrics.measure_errors.push_back((cycle.period.*metric.member).error);
+      }
+      point.metrics.regime = cycle.outcome.complete() ? analysis::planes::Regime::cycle
+                             : cycle.regime == analysis::strings::StringRegime::sliding
+                                 ? analysis::planes::Regime::stable
+                                 : analysis::planes::Regime::failed;
+      if (!cycle.outcome.complete())
+        point.why = fmt::format("{}: {}", name(cycle.outcome.ending), cycle.outcome.detail);
     }
-    point.metrics.regime = cycle.outcome.complete() ? analysis::planes::Regime::cycle
-                           : cycle.regime == analysis::strings::StringRegime::sliding
-                               ? analysis::planes::Regime::stable
-                               : analysis::planes::Regime::failed;
-    if (!cycle.outcome.complete()) point.why = fmt::format("{}: {}", name(cycle.outcome.ending), cycle.outcome.detail);
+  };
+  if (options.anew) {
+    std::vector<oscillators::BowedStringModel> models;
+    for (const double value : axis.values) {
+      models.push_back(scene.family->string_with({{axis.parameter, value}}));
+      models.back().start = task.model.start;  // of [cycle], which a family does not vary
+    }
+    add(sweep.up,
+        analysis::strings::string_cycles(models, task.periods, task.options.transient, job.request().threads));
+  } else {
+    const bool by_load = axis.parameter == "drive.normal_load";
+    std::vector<std::vector<double>> ways;
+    if (options.up) ways.push_back(axis.values);
+    if (options.down) ways.emplace_back(axis.values.rbegin(), axis.values.rend());
+    auto cycles = analysis::strings::string_cycles_along(
+        task.model, by_load ? &oscillators::BowedStringModel::load : &oscillators::BowedStringModel::speed, ways,
+        task.periods, task.options.transient);
+    if (options.down) std::ranges::reverse(cycles.back());
+    if (options.up) add(sweep.up, cycles.front());
+    if (options.down) add(sweep.down, cycles.back());
   }
   sweep.thresholds_left_out = "thresholds of steady sliding are those of 'stability', value by value";
   return sweep;

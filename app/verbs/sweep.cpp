@@ -100,15 +100,19 @@ void read_column(scene::Table& table, scene::Scene& scene) {
     if (!stands_still(i)) sweep.options.watch = i;
 }
 
+void read_direction(scene::Table& table, analysis::planes::SweepOptions& sweep) {
+  if (const auto* direction = table.find("direction")) {
+    const auto chosen = scene::choice(*direction, table.path("direction"), {"up", "down", "both"});
+    sweep.up = chosen != "down", sweep.down = chosen != "up";
+  }
+}
+
 void read_sweep_table(scene::Table table, scene::Scene& scene) {
   auto& sweep = scene.task<tasks::Sweep>().options;
   table.expect({"parameter", "from", "to", "points", "scale", "direction", "start", "record", "column", "metrics",
                 "stick_threshold", "transient", "keep"});
   read_axis(table, scene);
-  if (const auto* direction = table.find("direction")) {
-    const auto chosen = scene::choice(*direction, table.path("direction"), {"up", "down", "both"});
-    sweep.up = chosen != "down", sweep.down = chosen != "up";
-  }
+  read_direction(table, sweep);
   if (const auto* start = table.find("start"))
     sweep.anew = scene::choice(*start, table.path("start"), {"before", "scene"}) == "scene";
   if (const auto* record = table.find("record")) {
@@ -131,16 +135,30 @@ void read_sweep_table(scene::Table table, scene::Scene& scene) {
   table.finish();
 }
 
-/// Strings begin anew at each value, from the start of [cycle], and have the metrics of their periods.
+/// Strings have the metrics of their periods. They begin anew at each value, from the start of [cycle], or go on from
+/// the motion at the value before along what a bow changes while it plays.
 void read_sweep_of_strings(scene::SceneReader& reader, scene::Table table) {
   auto& scene = reader.scene;
   scene::read_string_cycle(reader);
   scene.family = std::make_shared<scene::Family>(reader, "sweep", true);
-  table.expect({"parameter", "from", "to", "points", "scale"});
+  table.expect({"parameter", "from", "to", "points", "scale", "direction", "start"});
   read_axis(table, scene);
-  table.finish();
   auto& options = scene.task<tasks::Sweep>().options;
-  options.record = Recorded::metrics, options.anew = true;
+  options.record = Recorded::metrics;
+  const auto* start = table.find("start");
+  options.anew = !start || scene::choice(*start, table.path("start"), {"scene", "before"}) == "scene";
+  if (options.anew) {
+    if (const auto* direction = table.find("direction"))
+      scene::fail(direction->source(), "{} has no effect where each value begins anew; give {} = \"before\"",
+                  table.path("direction"), table.path("start"));
+  } else if (const auto& name = options.axis.parameter; name != "drive.speed" && name != "drive.normal_load") {
+    scene::fail(start->source(),
+                "{} = \"before\" goes along drive.speed or drive.normal_load, which a bow changes while it plays, not "
+                "along {}",
+                table.path("start"), name);
+  }
+  read_direction(table, options);
+  table.finish();
 }
 
 void read_sweep(scene::SceneReader& reader) {

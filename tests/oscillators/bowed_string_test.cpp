@@ -291,6 +291,98 @@ TEST_CASE("what a bow of hair does approaches a rigid one", "[string]") {
   CHECK(on_hair(of_string) == Approx(0.5 * rigid).epsilon(0.05));
 }
 
+/// −gain δ(t − at), as a triangle that is narrow for any sample rate.
+BowedString::Reflection ideal_end(double at, double gain, double bow_position) {
+  constexpr double half = 1e-12;
+  return {{at - half, at, at + half}, {0, -gain / half, 0}, bow_position};
+}
+
+TEST_CASE("Helmholtz motion lasts between ideal ends from tables, as between those of numbers", "[string]") {
+  auto model = raman(400, 40);
+  const double step = model.string.step();
+  model.string.bridge = ideal_end(40 * step, 1, 0.1);
+  model.string.nut = ideal_end(360 * step, 1, 0.1);
+  model.speed.signal = Signal(0.1);
+  model.load.signal = Signal(0.5);
+  model.start = StringStart::helmholtz;
+  auto strings = begun(model);
+  CHECK(strings.realised_frequency() == Approx(model.string.frequency));
+  CHECK(strings.realised_bow_position() == Approx(0.1));
+  std::vector<int> on, off;
+  bool slips = false;
+  for (int n = 0; n < 20 * 400; ++n) {
+    strings.step();
+    const bool now = strings.bow(0).direction()[0] != 0;
+    if (now) CHECK(strings.velocity(0)[0] == Approx(-0.9).epsilon(1e-4));
+    if (now != slips) (now ? on : off).push_back(n);
+    slips = now;
+  }
+  REQUIRE(on.size() == 20);
+  for (std::size_t k = 0; k < off.size(); ++k) CHECK(off[k] - on[k] == 40);
+  // From another place of the bow the way is another one.
+  model.string.bow_position = 0.2;
+  CHECK(begun(model).realised_bow_position() == Approx(0.2));
+}
+
+TEST_CASE("ends from tables answer as those that the tables were made of, better by four at half the spacing",
+          "[string]") {
+  auto model = raman(1000, 90, 2e6);
+  const double tau = 20e-6, gain = 0.95, period = model.string.period(), Z = model.string.impedance;
+  const std::complex<double> s{0, 2 * M_PI * 3333};
+  const auto end = [&](double way, double g) {
+    return -g * std::exp(-s * (way - 2 * tau)) / std::pow(1.0 + s * tau, 2);
+  };
+  const auto left = end(0.09 * period, 1), right = end(0.91 * period, gain);
+  const auto exact = 0.5 / Z * (1.0 + left) * (1.0 + right) / (1.0 - left * right);
+  double before = 0;
+  for (const double spacing : {16e-6, 8e-6, 4e-6}) {
+    const auto table = [&](double way, double g) {
+      BowedString::Reflection reflection{{}, {}, 0.09};
+      for (double t = way - 2 * tau; t < way + 30 * tau; t += spacing) {
+        const double x = t - way + 2 * tau;
+        reflection.time.push_back(t), reflection.value.push_back(-g * x / (tau * tau) * std::exp(-x / tau));
+      }
+      return reflection;
+    };
+    model.string.bridge = table(0.09 * period, 0.999), model.string.nut = table(0.91 * period, gain);
+    for (double& h : model.string.bridge->value) h /= 0.999 * (1 + 1e-9);
+    // The trapezoidal rule of a table has not quite the integral of its function.
+    const auto whole = [&](BowedString::Reflection& of, double integral) {
+      double sum = 0;
+      for (std::size_t i = 1; i < of.time.size(); ++i) sum -= 0.5 * spacing * (of.value[i] + of.value[i - 1]);
+      for (double& h : of.value) h *= integral / sum;
+    };
+    whole(*model.string.bridge, 1), whole(*model.string.nut, gain);
+    const double error = std::abs(begun(model).mobility(s).velocity(0, 0) / exact - 1.0);
+    CAPTURE(spacing, error);
+    if (before > 0) CHECK(before / error == Approx(4).margin(0.8));
+    before = error;
+  }
+  CHECK(before < 5e-3);
+}
+
+TEST_CASE("measured ends that no end can have are refused with frequency and gain", "[string]") {
+  auto model = raman(400, 40);
+  const double step = model.string.step();
+  const auto refused = [&](const BowedString::Reflection& end, const std::vector<std::string>& words) {
+    model.string.bridge = end;
+    try {
+      begun(model);
+      FAIL("not refused");
+    } catch (const InputError& error) {
+      for (const auto& word : words) CHECK_THAT(error.what(), Catch::Contains(word));
+    }
+  };
+  refused(ideal_end(40 * step, 1.02, 0.1), {"oscillator.reflection.bridge", "1.02 times as high at 0 Hz"});
+  auto ripple = ideal_end(40 * step, 0.9, 0.1), echo = ideal_end(104 * step, -0.3, 0.1);
+  ripple.time.insert(ripple.time.end(), echo.time.begin(), echo.time.end());
+  ripple.value.insert(ripple.value.end(), echo.value.begin(), echo.value.end());
+  refused(ripple, {"1.2 times as high at 781.25 Hz", "divide"});
+  refused(ideal_end(40 * step, -1, 0.1), {"its integral over time is 1", "sign"});
+  refused(ideal_end(0.4 * step, 1, 0.1), {"less than a sample"});
+  refused(ideal_end(90 * step, 1, 0.1), {"oscillator.frequency = 250 Hz", "222.2"});
+}
+
 TEST_CASE("strings that cannot be sampled are refused with what to do", "[string]") {
   BowedString string;
   const auto law = laws::find_law("two-exponential");

@@ -347,3 +347,114 @@ TEST_CASE("a torus meets its strong resonances where the drive is three and four
     CHECK(at.q_error < 1e-5);
   }
 }
+
+namespace {
+
+/// Friction 1 − v, which is 0 at the speed of the surface, 1 m/s: sliding is at rest at 0 whatever the springs are.
+oscillators::FrictionContact pushing_contact(int coordinates) {
+  laws::FormulaDescription description;
+  constexpr Range finite{-1e300, 1e300};
+  description.parameters = {{{"beta", "s/m", finite, "beta"}, 1.0}};
+  description.friction = "1 - beta*v", description.static_limit = "1";
+  Model model;
+  model.law = laws::make_formula(description);
+  model.drive.speed = 1.0, model.drive.normal_load = 1.0;
+  auto contact = oscillators::contact_of(model);
+  contact.tangential = Eigen::VectorXd::Unit(coordinates, 0);
+  return contact;
+}
+
+}  // namespace
+
+TEST_CASE("a Hopf curve ends in a double zero where the spring vanishes", "[branches]") {
+  // λ² + (c − 1) λ + k = 0.
+  const Family2 family = [](double damping, double stiffness) {
+    oscillators::Structure block;
+    block.M = Eigen::MatrixXd::Identity(1, 1), block.C = Eigen::MatrixXd::Constant(1, 1, damping);
+    block.K = Eigen::MatrixXd::Constant(1, 1, stiffness), block.names = {"x"};
+    block.contacts = {pushing_contact(1)};
+    return oscillator_of(block);
+  };
+  LocusOptions options;
+  options.p = {0.5, 1.6, false}, options.q = {1.7, -0.6, false};
+  Branches found;
+  found.crossings.push_back({1, 1e-15, false, 1});
+  const auto curve = find_loci(family, found, 1, options).curves.at(0);
+  CHECK(curve.begins.empty());
+  CHECK(curve.ends == "the frequency goes to 0");
+  REQUIRE(curve.events.size() == 1);
+  const auto& [kind, at] = curve.events[0];
+  INFO(at.p << " ± " << at.p_error << ", " << at.q << " ± " << at.q_error);
+  CHECK(kind == "bogdanov-takens");
+  CHECK(std::abs(at.p - 1) <= at.p_error);
+  CHECK(std::abs(at.q) <= at.q_error);
+  CHECK(at.q_error < 1e-7);
+  CHECK(curve.points.back().q == at.q);
+  for (const auto& point : curve.points) {
+    CHECK(point.q >= -at.q_error);
+    CHECK(point.metrics.at("angular_frequency") == Approx(std::sqrt(std::max(point.q, 0.0))).margin(1e-7));
+  }
+}
+
+TEST_CASE("on a Hopf curve a second coordinate becomes neutral where its spring does not hold it", "[branches]") {
+  // (λ² + γλ + 1)(λ² + dλ + k) = e², γ = c − 1: a root 0 at k = e², where the others are a pair on the axis at
+  // dγ² + (1 + d²) γ + dk = 0 with ω² = 1 + k + γd.
+  constexpr double d = 0.6, e = 0.3;
+  const Family2 family = [&](double damping, double stiffness) {
+    oscillators::Structure two;
+    two.M = Eigen::Matrix2d::Identity(), two.C = Eigen::Vector2d(damping, d).asDiagonal();
+    two.K = Eigen::Matrix2d{{1, e}, {e, stiffness}}, two.names = {"x", "y"};
+    two.contacts = {pushing_contact(2)};
+    return oscillator_of(two);
+  };
+  const double k = e * e, b = 1 + d * d, gamma = (std::sqrt(b * b - 4 * d * d * k) - b) / (2 * d);
+  LocusOptions options;
+  options.p = {0.7, 1.3, false}, options.q = {0.02, 0.31, false};
+  Branches found;
+  const auto crossing = analysis::steady::Crossing{1 + gamma, 0.01, false, std::sqrt(1 + k + gamma * d)};
+  found.crossings.push_back(crossing);
+  const auto curve = find_loci(family, found, 0.2, options).curves.at(0);
+  REQUIRE(curve.events.size() == 1);
+  const auto& [kind, at] = curve.events[0];
+  INFO(at.p << " ± " << at.p_error << ", " << at.q << " ± " << at.q_error);
+  CHECK(kind == "zero-hopf");
+  CHECK(std::abs(at.p - 1 - gamma) <= at.p_error);
+  CHECK(std::abs(at.q - k) <= at.q_error);
+  CHECK(at.q_error < 1e-9);
+  CHECK(at.metrics.at("angular_frequency") == Approx(std::sqrt(1 + k + gamma * d)).epsilon(1e-9));
+}
+
+TEST_CASE("a torus whose load swings twice as fast meets the resonance 1:2", "[branches]") {
+  // Friction μ₀ − βv under N(1 + a cos Ωt): x″ + (c − β N(t)) x′ + x = …, multipliers of Hill's equation, whose product
+  // is 1 at c = β and whose sum is −2 at Ω = 2.024922599131, by Runge and Kutta's method with extrapolation.
+  laws::FormulaDescription description;
+  constexpr Range finite{-1e300, 1e300};
+  description.parameters = {{{"beta", "s/m", finite, "beta"}, 0.1}};
+  description.friction = "0.5 - beta*v", description.static_limit = "0.5";
+  const auto law = laws::make_formula(description);
+  const auto model = [&](double damping, double angular_frequency) {
+    Model block;
+    block.law = law;
+    block.slider = {1, 1, damping};
+    block.drive.speed = 1.0;
+    block.drive.normal_load = Signal(Signal::Harmonics{1, {{0.5, angular_frequency, 0}}});
+    return block;
+  };
+  const Family2 family = [&](double damping, double frequency) { return oscillator_of(model(damping, frequency)); };
+  const auto settled = settle(model(0.2, 2.5), 1e-9);
+  REQUIRE(settled.outcome.complete());
+  BranchOptions along;
+  along.parameter = {0.2, 0.05, false};
+  const auto found = from_cycle([&](double p) { return family(p, 2.5); }, settled, 0.2, along);
+  LocusOptions options;
+  options.p = along.parameter, options.q = {2, 2.6, false}, options.points = 10;
+  const auto curves = find_loci(family, found, 2.5, options).curves;
+  const auto& torus = of(curves, "torus");
+  REQUIRE(torus.events.size() >= 1);
+  const auto& [kind, at] = torus.events.front();
+  INFO(at.p << " ± " << at.p_error << ", " << at.q << " ± " << at.q_error);
+  CHECK(kind == "resonance-1:2");
+  CHECK(std::abs(at.q - 2.024922599131) < at.q_error);
+  CHECK(std::abs(at.p - 0.1) < at.p_error + 1e-12);
+  CHECK(at.q_error < 1e-5);
+}

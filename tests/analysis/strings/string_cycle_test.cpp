@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "analysis/strings/plane.hpp"
 #include "laws/catalogue.hpp"
 
 using namespace rosin;
@@ -49,6 +50,32 @@ TEST_CASE("Helmholtz motion has the period of the string, and slips for a part b
   within(cycle.period.stick_fraction, 1 - beta, 5e-3);
   within(cycle.period.slip_distance, V * T, 5e-2);
   within(cycle.period.bridge_force, 2 * model.string.impedance * V / beta, 5e-2);
+}
+
+TEST_CASE("a string keeps the motion that it has while the bow's force goes up and down", "[string]") {
+  // 0.14 N lies between Schelleng's limits of 0.02 and 0.72 N, where Helmholtz motion lasts if it is there; from rest
+  // the string comes to two slips a period, and to one only under more.
+  BowedStringModel model;
+  model.string.bridge_resistance = 55;
+  model.law = laws::find_law("two-exponential");
+  model.speed.signal = Signal(0.05);
+  model.load.signal = Signal(0.14);
+  const auto limits = schelleng_limits(model, 0.05);
+  CHECK(limits.least < 0.14);
+  CHECK(limits.most > 0.35);
+  const std::vector<double> ways[] = {{0.14, 0.35, 0.14}, {0.35, 0.35, 0.35}};
+  const auto cycles = string_cycles_along(model, &BowedStringModel::load, ways, 80, {});
+  CHECK(cycles[0][0].regime == StringRegime::double_slip);
+  CHECK(cycles[0][1].regime == StringRegime::helmholtz);
+  CHECK(cycles[0][2].regime == StringRegime::helmholtz);
+  REQUIRE(cycles[0][2].outcome.complete());
+  CHECK(cycles[0][2].period.bridge_force.value > 1.4 * cycles[0][0].period.bridge_force.value);
+  // A bow that changes nothing goes on as one that is not asked in between: the first stage is a string by itself.
+  const auto alone = string_cycles(std::span(&model, 1), 80, {}, 1).front();
+  CHECK(cycles[0][0].period.bridge_force.value == alone.period.bridge_force.value);
+  CHECK(cycles[0][0].period.period.value == alone.period.period.value);
+  for (int k : {0, 1, 2})
+    CHECK(cycles[1][k].period.period.value == Approx(cycles[1][0].period.period.value).epsilon(2e-3));
 }
 
 TEST_CASE("motions that do not repeat themselves, and bows that change, have no period", "[string]") {

@@ -64,6 +64,7 @@ TEST_CASE("a unit in the header counts in every way of writing it", "[record]") 
                                             {"Speed [mm/s]", "Speed", "mm/s"},
                                             {"Speed / mm/s", "Speed", "mm/s"},
                                             {"v/(mm/s)", "v", "mm/s"},
+                                            {"response (Pa/(N s))", "response", "Pa/(N s)"},
                                             {"Speed, mm/s", "Speed", "mm/s"},
                                             {"\"Speed, mm/s\"", "Speed", "mm/s"},
                                             {"Speed mm/s", "Speed", "mm/s"},

@@ -1,5 +1,6 @@
 /// The verbs of a bowed string: what they tell, what they write, and what they refuse.
 #include <catch2/catch.hpp>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "tests/app/command.hpp"
@@ -65,6 +66,34 @@ TEST_CASE("a document of a string lists no slider, in its manifest and in its ve
   const auto parameters = nlohmann::json::parse(content(folder.path / "out/manifest.json"))["parameters"];
   CHECK(parameters.contains("law.mu_inf"));
   for (const auto& [path, value] : parameters.items()) CHECK(path.starts_with("law."));
+}
+
+TEST_CASE("a string by measured reflections is heard through a measured body", "[app][string]") {
+  const Folder folder;
+  const std::string measured = "run " + scenes_of_strings + "measured-string.toml --no-pictures ";
+  const auto document = answer_of_string(folder, measured + "--set run.samples=1000 --out out");
+  CHECK(document["metrics"]["first_slip"].get<double>() == Approx(0.032834).margin(1e-5));
+  CHECK(document["units"]["sound"] == "Pa");
+  CHECK(document["columns"]["sound"].size() == document["time"].size());
+  CHECK(document["sound"]["file"] == "sound.wav");
+  CHECK(document["sound"]["unit"] == "Pa");
+  CHECK(content(folder.path / "out/sound.wav").substr(0, 4) == "RIFF");
+  const auto refused = [&](const std::string& arguments, const std::vector<std::string>& words) {
+    const auto answer = run_rosin(folder, measured + arguments);
+    CAPTURE(arguments, answer.error);
+    CHECK(answer.status == 2);
+    for (const auto& word : words) CHECK_THAT(answer.error, Contains(word));
+  };
+  refused("--set oscillator.quality=100", {"oscillator.quality has no effect", "reflection.nut"});
+  refused("--set oscillator.corner_rounding=1e-5", {"has no effect", "bridge and nut"});
+  refused("--set oscillator.bridge_resistance=55", {"reflection.bridge"});
+  refused("--set oscillator.reflection.bow_position=0", {"bow_position"});
+  refused("--set 'oscillator.reflection={ bow_position = 0.1 }'", {"needs bridge, nut or both"});
+  refused("--set run.sound.unit=loud", {"loud"});
+  refused("--set run.sound.unit=m/s", {"Pa/(N s)"});
+  std::ofstream(folder.path / "no-unit.csv") << "time,value\n0,0\n1,-1\n";
+  refused("--set oscillator.reflection.nut=" + (folder.path / "no-unit.csv").string(),
+          {"no-unit.csv:1: column 'time': no unit is given", "time (s)"});
 }
 
 TEST_CASE("a plane of strings counts what is good and what finer sample rates confirm", "[app][string]") {
@@ -184,6 +213,23 @@ TEST_CASE("sliding of the bow, periodic motion and sweeps of a string have numbe
                                    "scale=\"linear\" } }' --set cycle.periods=60");
   CHECK(map["up"] == sweep["up"]);
   CHECK(map["error"] == sweep["error"]);
+}
+
+TEST_CASE("a sweep of a string goes up and down from the motion before", "[app][string]") {
+  const Folder folder;
+  const auto sweep = "sweep " + scenes_of_strings + "hysteresis-of-bow-force.toml --no-pictures --out out ";
+  const auto document =
+      answer_of_string(folder, sweep + "--set sweep.from=0.14 --set sweep.to=0.35 --set sweep.points=2");
+  CHECK(document["up"]["slips_per_period"] == nlohmann::json({2, 1}));
+  CHECK(document["down"]["slips_per_period"] == nlohmann::json({1, 1}));
+  for (const auto& [arguments, word] :
+       {std::pair{"--set sweep.start=scene", "sweep.direction has no effect"},
+        {"--set sweep.parameter=oscillator.quality --set sweep.from=50 --set sweep.to=90",
+         "along drive.speed or drive.normal_load"}}) {
+    const auto answer = run_rosin(folder, sweep + arguments);
+    CHECK(answer.status == 2);
+    CHECK_THAT(answer.error, Contains(word));
+  }
 }
 
 TEST_CASE("strings are compared by run and cycle, with the numbers of those verbs", "[app][string][compare]") {
