@@ -29,6 +29,11 @@ std::string justified(double value, double error, std::string_view unit) {
   return fmt::format("{} ± {:.0e}{}", output::digits_by_error(value, error), error, suffix);
 }
 
+std::string justified_above_zero(double value, double error, std::string_view unit) {
+  if (!(value >= 0 && std::isfinite(error) && error > value)) return justified(value, error, unit);
+  return fmt::format("0 … {:.2g}{}", value + error, unit == "1" ? std::string() : fmt::format(" {}", unit));
+}
+
 double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }

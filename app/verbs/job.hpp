@@ -22,6 +22,9 @@ namespace rosin::app::verbs {
 
 /// A value with the digits that its error leaves meaningful: "22.58705580 ± 3e-08".
 std::string justified(double value, double error, std::string_view unit);
+/// The same of a quantity that is never negative: where the error is larger than the value, the range that it leaves,
+/// "0 … 8".
+std::string justified_above_zero(double value, double error, std::string_view unit);
 
 double seconds_since(std::chrono::steady_clock::time_point begin);
 
