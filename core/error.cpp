@@ -24,6 +24,8 @@ std::string name(Ending ending) {
       return "budget spent";
     case Ending::not_finite:
       return "not finite";
+    case Ending::unbounded:
+      return "grows without bound";
     case Ending::interrupted:
       return "interrupted";
   }

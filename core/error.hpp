@@ -21,6 +21,7 @@ enum class Ending {
   tolerance_not_met,  ///< steps became too small for the tolerance
   budget_spent,       ///< the allowed number of steps or cycles was used up
   not_finite,         ///< a value overflowed or became NaN
+  unbounded,          ///< the motion grows without bound
   interrupted,        ///< the user asked to stop
 };
 

@@ -1,4 +1,5 @@
-/// A servo as stiffness, damping and force, and one coordinate for what it integrates.
+/// A servo as stiffness, damping and force, and coordinates for what it integrates, or for what it remembers between
+/// samples.
 #include "oscillators/servo.hpp"
 
 #include <numbers>
@@ -33,13 +34,43 @@ Signal command_of(const Servo& servo) {
   return Signal(std::move(command));
 }
 
+/// One more coordinate, without mass, that moves where its row says so.
+void add_coordinate(Structure& structure, const char* name, const char* unit) {
+  const Eigen::Index n = structure.size();
+  for (auto* matrix : {&structure.M, &structure.C, &structure.K}) extend(*matrix, n + 1, n + 1);
+  structure.C(n, n) = 1;
+  structure.force.emplace_back(0.0);
+  structure.units.resize(std::size_t(n), "m");
+  structure.units.emplace_back(unit);
+  if (!structure.names.empty()) structure.names.emplace_back(name);
+  for (auto& contact : structure.contacts) {
+    extend(contact.tangential, n + 1);
+    extend(contact.load_along, n + 1);
+    if (contact.normal.size() > 0) extend(contact.normal, n + 1, contact.normal.cols());
+    if (contact.face) extend(contact.face->middle, n + 1), extend(contact.face->along, n + 1);
+  }
+  for (auto& functional : structure.functionals) extend(functional.row, n + 1);
+}
+
+Structure with_sampled_servo(Structure structure, const Servo& servo) {
+  const SampledServo sampled{servo, structure.size()};
+  add_coordinate(structure, "servo_force", "N");
+  if (sampled.integral() >= 0) add_coordinate(structure, "servo_integral", "N");
+  if (sampled.reading() >= 0)
+    add_coordinate(structure, "servo_reading", "m"), add_coordinate(structure, "servo_speed", "m/s");
+  structure.K(servo.coordinate, sampled.held) = -1;
+  structure.sampled.push_back(sampled);
+  return structure;
+}
+
 }  // namespace
 
 Structure with_servo(Structure structure, const Servo& servo) {
   const Eigen::Index n = structure.size(), x = servo.coordinate;
+  structure.force.resize(std::size_t(n), 0.0);
+  if (servo.sampling_time > 0) return with_sampled_servo(std::move(structure), servo);
   structure.K(x, x) += servo.proportional;
   structure.C(x, x) += servo.derivative;
-  structure.force.resize(std::size_t(n), 0.0);
   Signal& force = structure.force[std::size_t(x)];
   const Signal command = command_of(servo);
   if (command.constant())
@@ -57,22 +88,10 @@ Structure with_servo(Structure structure, const Servo& servo) {
                                  .limit = servo.limit,
                                  .tracking = 1 / servo.anti_windup});
   if (servo.integral == 0) return structure;
-
-  for (auto* matrix : {&structure.M, &structure.C, &structure.K}) extend(*matrix, n + 1, n + 1);
-  structure.C(n, n) = 1;
+  add_coordinate(structure, "servo_force", "N");
   structure.K(n, x) = servo.integral;
   structure.K(x, n) = -1;
-  structure.force.push_back(servo.reference.scaled(servo.integral, 0));
-  structure.units.resize(std::size_t(n), "m");
-  structure.units.push_back("N");
-  if (!structure.names.empty()) structure.names.push_back("servo_force");
-  for (auto& contact : structure.contacts) {
-    extend(contact.tangential, n + 1);
-    extend(contact.load_along, n + 1);
-    if (contact.normal.size() > 0) extend(contact.normal, n + 1, contact.normal.cols());
-    if (contact.face) extend(contact.face->middle, n + 1), extend(contact.face->along, n + 1);
-  }
-  for (auto& functional : structure.functionals) extend(functional.row, n + 1);
+  structure.force.back() = servo.reference.scaled(servo.integral, 0);
   return structure;
 }
 

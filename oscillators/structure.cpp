@@ -16,8 +16,26 @@
 
 namespace rosin::oscillators {
 
+double SampledServo::read(double x) const {
+  const double q = servo.encoder_resolution;
+  return q > 0 ? q * std::round(x / q) : x;
+}
+
+namespace {
+constexpr double same_moment = 1e-6;  // of the sampling time
+}
+
+bool SampledServo::is_sample(double t) const {
+  const double samples = t / servo.sampling_time;
+  return std::abs(samples - std::round(samples)) <= same_moment;
+}
+
+double SampledServo::next_sample(double t) const {
+  return (std::floor(t / servo.sampling_time + same_moment) + 1) * servo.sampling_time;
+}
+
 bool Structure::constant() const {
-  return std::all_of(force.begin(), force.end(), [](const Signal& f) { return f.constant(); }) &&
+  return sampled.empty() && std::all_of(force.begin(), force.end(), [](const Signal& f) { return f.constant(); }) &&
          std::all_of(contacts.begin(), contacts.end(),
                      [](const FrictionContact& c) { return c.speed.constant() && c.normal_load.constant(); });
 }
@@ -272,6 +290,7 @@ double common_period(const Structure& structure) {
   for (const auto& force : structure.force) take(force, "drive.force");
   for (const auto& contact : structure.contacts)
     take(contact.speed, "drive.speed"), take(contact.normal_load, "drive.normal_load");
+  for (const auto& of : structure.sampled) take(of.servo.reference, "the servo's reference");
   if (frequencies.empty()) return 0;
   const double slowest = *std::ranges::min_element(frequencies);
   constexpr int most_turns = 1000;
@@ -280,8 +299,15 @@ double common_period(const Structure& structure) {
     if (std::ranges::all_of(frequencies, [&](double w) {
           const double of_this = turns * w / slowest;
           return std::abs(of_this - std::round(of_this)) <= same * of_this;
-        }))
-      return turns * 2 * std::numbers::pi / slowest;
+        })) {
+      const double period = turns * 2 * std::numbers::pi / slowest;
+      for (const auto& of : structure.sampled)
+        if (!of.is_sample(period))
+          throw InputError(
+              fmt::format("the period of the drive, {:.9g} s, is no multiple of the sampling time, {:.9g} s", period,
+                          of.servo.sampling_time));
+      return period;
+    }
   throw InputError(
       fmt::format("the angular frequencies of the drive have no common period within {} of the slowest "
                   "({} rad/s)",

@@ -68,6 +68,41 @@ struct LimitedForce {
   double tracking = 0;                ///< 1/s: the integral loses this times what is too much; 0: it goes on
 };
 
+/// A position servo, u = kp (r − x) + ki ∫(r − x) dt − kd ẋ + c ṙ on coordinate x (N), no more than its limit. Where u
+/// is beyond the limit the integral goes on, or, with an anti-windup time T, follows what the limit leaves of u: f
+/// being the integral's part, ḟ = ki (r − x) − (u − limited u)/T (back-calculation, Åström & Hägglund 1995,
+/// section 3.5).
+struct Servo {
+  int coordinate = 0;                                     ///< from 0
+  double proportional = 0, integral = 0, derivative = 0;  ///< N/m, N/(m s), N s/m
+  double feedforward = 0;                                 ///< c, N s/m
+  Signal reference = 0.0;                                 ///< m
+  double limit = infinity;                                ///< N
+  double anti_windup = infinity;                          ///< s; infinity: the integral goes on
+  double sampling_time = 0;                               ///< s; 0: it acts without delay
+  double encoder_resolution = 0;                          ///< m: position is read as a multiple of it; 0: exactly
+  double filter = 0;                                      ///< s, of the speed by differences of readings
+  /// Speed is the difference of readings over the sampling time, and not measured itself.
+  bool reads_differences() const { return encoder_resolution > 0 || filter > 0; }
+};
+
+/// A servo whose program runs once each sampling time h, at t = 0, h, 2h, …, and whose force is held in between. With
+/// readings x_k of position and v_k of speed
+///   u_k = kp (r_k − x_k) + f_k − kd v_k + c ṙ_k, limited,   f_{k+1} = f_k + h (ki (r_k − x_k) − (u − limited u)_k/T)
+///   v_k = (T_f v_{k−1} + x_k − x_{k−1})/(T_f + h) by differences, T_f the filter time
+/// (Åström & Hägglund 1995, section 3.6). What it remembers are coordinates without mass, which move at samples alone.
+struct SampledServo {
+  Servo servo;
+  int held = 0;  ///< coordinate of the force; behind it those of f, x_{k−1}, v_{k−1}, as far as they are needed
+
+  int integral() const { return servo.integral > 0 ? held + 1 : -1; }
+  int reading() const { return servo.reads_differences() ? held + 1 + (servo.integral > 0) : -1; }
+  int speed() const { return servo.reads_differences() ? reading() + 1 : -1; }
+  double read(double x) const;  ///< as the encoder has it
+  bool is_sample(double t) const;
+  double next_sample(double t) const;
+};
+
 /// A number that is seen of the coordinates: row·q.
 struct Functional {
   std::string name, unit;
@@ -83,11 +118,12 @@ struct Structure {
   std::vector<FrictionContact> contacts;
   std::vector<Stop> stops;
   std::vector<LimitedForce> limited;
+  std::vector<SampledServo> sampled;
   std::vector<Functional> functionals;  ///< that stand for the coordinates where these are many
 
   int size() const { return int(M.rows()); }
   std::string unit(int coordinate) const { return units.empty() ? "m" : units[coordinate]; }
-  bool constant() const;
+  bool constant() const;  ///< nothing that drives it varies, and nothing samples it
   /// \throws InputError for sizes that do not fit, an M that is not symmetric and positive definite, contacts that
   /// stick along directions that depend on each other, parts of a contact that do not go together, and rigid stops
   /// where an impact would be shared by masses.
@@ -116,7 +152,8 @@ class NoSteadySliding : public InputError {
   using InputError::InputError;
 };
 
-/// The period of all drives: that of constant ones is 0. \throws InputError where they have none in common, or break.
+/// The period of all drives: that of constant ones is 0. \throws InputError where they have none in common, or break,
+/// or where a servo samples at other moments in each.
 double common_period(const Structure&);
 
 /// Block on a belt (mass, spring, damper) before a second mass that is held by a spring and a damper of its own:

@@ -79,9 +79,13 @@ double StructureSystem::stop_power(double t, const double* y) const {
   return power;
 }
 
-/// Of what nothing but stops holds: a spring that the force pushes as far as the nearest of them (N/m).
+/// Of what no spring holds: that of a servo that samples, or of a spring that the force pushes as far as the nearest
+/// stop (N/m); 0: nothing holds it.
 double StructureSystem::natural_stiffness(const Eigen::VectorXd& along, double force) const {
-  double stiffness = 1e-300;
+  double stiffness = 0;
+  for (const auto& [servo, held] : structure_.sampled)
+    if (along[servo.coordinate] != 0)
+      stiffness = std::max(stiffness, servo.proportional + servo.integral * servo.sampling_time);
   for (const Stop& stop : structure_.stops)
     if (stop.at != 0 && along[stop.coordinate] != 0 && structure_.K(stop.coordinate, stop.coordinate) == 0)
       stiffness = std::max(stiffness, force / std::abs(stop.at));

@@ -141,9 +141,9 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
     const auto [N, rate] = load(int(j), 0);
     const VectorXd& t = contact.tangential;
     const double holds = law.set_valued() && !law.has_states() ? N * law.static_limit(N) : N * 0.5;
-    // Without a drive slip is as fast as what the contact holds makes the structure.
-    const double of_friction = holds * std::sqrt(mobility(int(j)) / std::max(stiffness_along(int(j)) / t.squaredNorm(),
-                                                                             natural_stiffness(t, holds)));
+    // Without a drive slip is as fast as what the contact holds makes the structure, in a second what nothing holds.
+    const double held_by = std::max(stiffness_along(int(j)) / t.squaredNorm(), natural_stiffness(t, holds));
+    const double of_friction = holds * (held_by > 0 ? std::sqrt(mobility(int(j)) / held_by) : mobility(int(j)));
     at.reference_speed = std::max(std::abs(contact.speed.value(0)), std::abs(contact.speed.level()));
     if (at.reference_speed == 0)
       at.reference_speed = std::isfinite(of_friction) && of_friction > 0 ? of_friction : 1e-9;
@@ -756,6 +756,7 @@ double StructureSystem::next_break(double t) const {
   double next = infinity;
   for (const Signal& f : structure_.force) next = std::min(next, f.next_break(t));
   for (const LimitedForce& of : structure_.limited) next = std::min(next, of.command.next_break(t));
+  for (const SampledServo& of : structure_.sampled) next = std::min(next, of.next_sample(t));
   for (const auto& c : structure_.contacts) next = std::min({next, c.speed.next_break(t), c.normal_load.next_break(t)});
   return next;
 }
@@ -766,6 +767,34 @@ double StructureSystem::resolution() const {
   for (const auto& c : structure_.contacts)
     shortest = std::min({shortest, c.speed.resolution(), c.normal_load.resolution()});
   return shortest;
+}
+
+void StructureSystem::sample(double t, double* y) const {
+  for (const SampledServo& of : structure_.sampled) {
+    if (!of.is_sample(t)) continue;
+    const Servo& servo = of.servo;
+    const double x = of.read(y[servo.coordinate]), h = servo.sampling_time;
+    double v = 0;
+    if (servo.reads_differences()) {
+      v = (servo.filter * y[of.speed()] + x - y[of.reading()]) / (servo.filter + h);
+      y[of.reading()] = x, y[of.speed()] = v;
+    } else {
+      v = velocity(t, y)[servo.coordinate];
+    }
+    const double error = servo.reference.value(t) - x;
+    double u = servo.proportional * error - servo.derivative * v;
+    if (servo.feedforward > 0) u += servo.feedforward * servo.reference.rate(t);
+    if (of.integral() >= 0) u += y[of.integral()];
+    const double limited = std::clamp(u, -servo.limit, servo.limit);
+    if (of.integral() >= 0) y[of.integral()] += h * (servo.integral * error - (u - limited) / servo.anti_windup);
+    y[of.held] = limited;
+  }
+}
+
+void StructureSystem::begin_sampling(double* y) const {
+  for (const SampledServo& of : structure_.sampled)
+    if (of.reading() >= 0) y[of.reading()] = of.read(y[of.servo.coordinate]);
+  sample(0, y);
 }
 
 /// Velocities and the forces in contact springs are continuous; friction of rigid contacts follows their slip rate.
@@ -922,6 +951,11 @@ StructureSystem::Balance StructureSystem::balance(double t, double part, VectorX
 
 /// Friction that has no answer at once is put on in steps.
 std::vector<double> StructureSystem::steady(double t) const {
+  if (!structure_.sampled.empty())
+    throw NoSteadySliding(
+        "a servo that samples holds its force in between and answers no motion there, so that no steady sliding "
+        "follows "
+        "from a balance of forces; give start = \"rest\"");
   const VectorXd without = touching(t);
   VectorXd q = without;
   const auto all_of_it = balance(t, 1, q);

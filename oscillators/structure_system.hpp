@@ -93,6 +93,11 @@ class StructureSystem final : public SwitchingSystem {
 
   /// A limited force as it would be without its limit (N).
   double unlimited(const LimitedForce&, double t, const double* y) const;
+  /// What servos that sample do at a time: at a sample they read the motion and set their forces.
+  void sample(double t, double* y) const;
+  /// The same at the start of a motion, before which readings were what they are there.
+  void begin_sampling(double* y) const;
+
   /// Power of what limits take off their forces (W).
   double limit_power(double t, const double* y) const;
 

@@ -169,7 +169,7 @@ int Recogniser::recognise(const std::vector<double>& start, double tolerance) co
   };
   const auto outcome = map.follow_crossings(start, tolerance, crossed, observe);
   if (label != unknown) return label;
-  if (is_far(end)) return escape;
+  if (outcome.ending == Ending::unbounded || is_far(end)) return escape;
   if (outcome.ending != Ending::reached_end) return unknown;
   if (sliding_attracts() && distance_from(steady, end) < known_[steady].radius) return steady;
   return stands(system, time, end) ? int(rest) : int(unknown);
@@ -190,7 +190,7 @@ Recogniser::Identified Recogniser::identify(const std::vector<double>& start) co
   const bool attracts = cycle.multipliers.empty() || std::abs(cycle.multipliers.front()) < 1 - contraction;
   if (cycle.returns > 0 && attracts) return {unknown, std::move(cycle), ""};
   if (cycle.returns > 0) return {irregular, {}, "periodic motion that does not attract: beside it there are others"};
-  if (cycle.outcome.ending == Ending::none_exists && driven_) return {escape, {}, ""};
+  if (cycle.outcome.ending == Ending::unbounded) return {escape, {}, ""};
   return {irregular, {}, cycle.outcome.detail};
 }
 

@@ -107,9 +107,21 @@ class Tracer {
     std::string pattern = start.view.pattern;
     double p_before = start.p, amplitude_before = problem->amplitude();
     std::optional<steady::Crossing> end;
+    VectorXd halves;  // between those of a period that has doubled
+    double apart = 0;
+    bool is_single = false;
     continuation.arrived = [&](const BranchPoint& point) {
       pattern = point.view.pattern;
-      if (point.asked || problem->driven()) return true;
+      if (point.asked) return true;
+      if (parent >= 0) {
+        VectorXd now = between_halves(*problem, point);
+        constexpr double near = 0.5;  // of the largest: a step beside a border may exchange the halves
+        is_single =
+            halves.size() == now.size() && halves.dot(now) < 0 && std::min(halves.norm(), now.norm()) < near * apart;
+        halves = std::move(now), apart = std::max(apart, halves.norm());
+        if (is_single) return false;
+      }
+      if (problem->driven()) return true;
       const double amplitude = problem->amplitude();
       end = hopf_ahead(p_before, amplitude_before, point, amplitude);
       p_before = point.p, amplitude_before = amplitude;
@@ -124,7 +136,10 @@ class Tracer {
       result_.cycles[place].to_value = end->value;
       note_crossing(*end);
     }
+    if (is_single) end_where_doubled(result_.cycles[place]);
     std::erase_if(branch.special, is_neutral_saddle);
+    const double range = std::abs(options_.parameter.to - options_.parameter.from);
+    std::erase_if(branch.special, [&](const SpecialPoint& special) { return !(special.error < range); });
     for (auto& special : branch.special) special.kind = shown_kind(special.test);
     if (const auto at = branch.outcome.detail.find(grazing_of_landing); at != std::string::npos)
       branch.outcome.detail.replace(at, std::string_view(grazing_of_landing).size(), "grazing");
@@ -135,6 +150,11 @@ class Tracer {
     const auto specials = branch.special;
     for (const auto& special : specials) {
       if (special.kind != "period-doubling") continue;
+      // A branch of doubled cycles begins at one doubling and may end at another.
+      if (std::ranges::any_of(result_.cycles, [&](const CycleBranch& doubled) {
+            return doubled.parent == int(place) && doubled.to_value == special.p;
+          }))
+        continue;
       // The nodes are those of the branch's end: the problem is laid out anew.
       CycleProblem single(family_, problem->turns());
       Continuation again(single, this->continuation());
@@ -163,6 +183,40 @@ class Tracer {
       Direction away{VectorXd::Zero(point->x.size()), c};
       trace("period-doubling", special.p, int(place), std::move(doubled->problem), *point, away, no_motion,
             doublings - 1);
+    }
+  }
+
+  /// What half the period of a doubled cycle makes of its start, in sizes: 0 where it is the single one twice.
+  VectorXd between_halves(CycleProblem& problem, const BranchPoint& at) const {
+    auto y = problem.start(at.x);
+    const auto begin = y;
+    Follower follower = problem.oscillator(at.p).follower(options_.tolerance);
+    if (!follower.follow(0, y, 0.5 * problem.period(at.x, at.p)).complete()) return {};
+    VectorXd apart(Index(problem.moving().size()));
+    for (Index j = 0; j < apart.size(); ++j) {
+      const auto i = std::size_t(problem.moving()[std::size_t(j)]);
+      apart[j] = (y[i] - begin[i]) / problem.scale()[problem.scale().size() - apart.size() + j];
+    }
+    return apart;
+  }
+
+  /// The halves of the period have changed places in the last step: between, at a doubling of the branch that this one
+  /// comes from, they are equal, and what follows is what came before, half a period later.
+  void end_where_doubled(CycleBranch& doubled) const {
+    auto& branch = doubled.branch;
+    const double p = branch.points.back().p;
+    branch.points.pop_back();
+    const auto last = branch.points.size() - 1;
+    // The parameter of doubled cycles turns there.
+    std::erase_if(branch.special, [&](const SpecialPoint& at) { return at.after >= last && at.kind == "fold"; });
+    branch.outcome.detail = fmt::format("it ends near {:.6g}, where its period is halved", p);
+    double nearest = infinity;
+    for (const auto& special : result_.cycles[std::size_t(doubled.parent)].branch.special) {
+      const double off = std::abs(options_.parameter.coordinate(special.p) - options_.parameter.coordinate(p));
+      if (special.kind != "period-doubling" || off >= std::min(nearest, options_.longest_step)) continue;
+      nearest = off;
+      doubled.to_value = special.p;
+      branch.outcome.detail = fmt::format("it ends at the period doubling {:.9g}", special.p);
     }
   }
 

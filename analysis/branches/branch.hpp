@@ -51,7 +51,7 @@ struct CycleBranch {
   std::string from;                     ///< "hopf", "period-doubling", "cycle"
   double from_value;                    ///< of the parameter
   int parent = -1;                      ///< the branch that doubles
-  std::optional<double> to_value = {};  ///< of the Hopf point that it ends at
+  std::optional<double> to_value = {};  ///< of the Hopf point or the period doubling that it ends at
   Branch branch;
 };
 

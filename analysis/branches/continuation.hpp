@@ -74,8 +74,8 @@ class Continuation {
 
   /// Closes a solution near x at the parameter p.
   std::optional<BranchPoint> close(Eigen::VectorXd x, double p);
-  /// Follows the branch from a solution, first along `direction`, until the parameter leaves its range, the branch
-  /// closes on itself, or it ends. Asked to stop (core/stop.hpp), it ends "interrupted" with the points until then.
+  /// Follows the branch from a solution, first along `direction`, until the parameter leaves its range, or the
+  /// branch ends. Asked to stop (core/stop.hpp), it ends "interrupted" with the points until then.
   Branch follow(const BranchPoint& start, Direction direction);
   /// The branch on which p grows or falls (sign) from a solution.
   Branch follow(const BranchPoint& start, int sign);

@@ -106,8 +106,9 @@ class SteppedSearch {
       if (!one.row.empty()) include(one);
       if (result_.settled = settled(outcome); result_.settled != Settled::no) {
         constexpr const char* where[] = {"", "steady sliding is reached", "the motion comes to rest",
-                                         "the motion grows without bound"};
-        result_.outcome = {Ending::none_exists, where[int(result_.settled)]};
+                                         "a coordinate is a million times as far as in its first returns"};
+        result_.outcome = {result_.settled == Settled::escape ? Ending::unbounded : Ending::none_exists,
+                           where[int(result_.settled)]};
       } else if (outcome.ending != Ending::event) {
         result_.outcome = outcome;
       } else if (++result_.crossings >= most) {

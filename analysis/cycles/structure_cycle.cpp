@@ -136,8 +136,8 @@ class RecurrenceSearch {
     if (outcome.ending == Ending::reached_end || (outcome.ending == Ending::event && settled_))
       outcome = {Ending::none_exists, at_rest_or_sliding};
     else if (unbounded_)
-      outcome = {Ending::none_exists, fmt::format("the motion grows without bound, to {:.3g} m after {} returns",
-                                                  ranges_.back(), crossings_)};
+      outcome = {Ending::unbounded,
+                 fmt::format("by as much in each return, to {:.3g} m after {}", ranges_.back(), crossings_)};
     else if (outcome.ending == Ending::event)
       outcome = {Ending::budget_spent,
                  fmt::format("no period within {} returns: the motion is irregular, or settles slowly (the nearest "
@@ -431,6 +431,8 @@ std::map<std::string, StructureCycle::Measure> cycle_metrics_of(const Structure&
 
 StructureCycle find_cycle(const motion::StructureModel& model, const StructureCycleOptions& options) {
   require(options.tolerance, {1e-11, 0.1}, "tolerance", "relative accuracy of a cycle", "1");
+  if (!model.structure.sampled.empty())
+    throw InputError("a servo that samples has a clock of its own, of which the motion's periods are no multiples");
   SectionMap map(model.structure);
   map.most_steps = options.most_steps;
   model.structure.require_drive();

@@ -23,7 +23,7 @@ struct StructureCycleOptions {
 };
 
 struct StructureCycle {
-  Outcome outcome;  ///< none_exists: the motion settles on steady sliding, or comes to rest
+  Outcome outcome;  ///< none_exists: the motion settles on steady sliding, or comes to rest; unbounded: it grows
   int returns = 0;  ///< of the section in a period: periods of the drive, or maxima of the coordinate; 0: none found
   struct Measure {
     double value, error;  ///< absolute

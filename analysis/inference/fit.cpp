@@ -856,6 +856,27 @@ void Conclusion::clock(std::size_t i) {
         problem_.variables[i].quantity.name, points));
 }
 
+/// A step at whose own instant a sample reads friction from before it. Friction of a contact without a spring answers a
+/// step at once, along its direction, and then goes on slowly: after such a sample it jumps.
+std::optional<double> step_read_from_before(const Measurement& m) {
+  constexpr double same_instant = 1e-9, beyond_noise = 6, slowly = 1.0 / 3;
+  const double noise = roughness(m.y), span = m.x.back() - m.x.front();
+  auto steps = m.later;
+  steps.insert(steps.begin(), {m.step_at, m.next_slip_rate});
+  double before = m.slip_rate;
+  for (const auto& step : steps) {
+    const double direction = std::abs(step.slip_rate) > std::abs(before) ? 1 : -1;
+    for (std::size_t k = 0; k + 2 < m.y.size(); ++k) {
+      const double jump = direction * (m.y[k + 1] - m.y[k]);
+      if (std::abs(m.x[k] - step.at) <= same_instant * span && jump > beyond_noise * noise &&
+          std::abs(m.y[k + 2] - m.y[k + 1]) < slowly * jump)
+        return step.at;
+    }
+    before = step.slip_rate;
+  }
+  return std::nullopt;
+}
+
 void Conclusion::measurements() {
   using Trend = Measurement::Terms::Trend;
   const auto model = problem_.at(best_.q);
@@ -922,6 +943,12 @@ void Conclusion::measurements() {
                         : "the law does not describe these data, or they have a trend (trend = true), or correlated "
                           "noise, which is measured where standard_error is left out"));
     }
+    if (m.kind == Measurement::Kind::velocity_step && !m.terms.clock_offset && !model.model.contact_stiffness.present())
+      if (const auto step = step_read_from_before(m))
+        result_.warnings.push_back(fmt::format(
+            "{}: the sample at {:.6g} {}, the instant of a step, reads friction from before it, and friction "
+            "jumps behind it: leave it out (low, high), or set clock_offset = true in its data",
+            m.name, *step, m.over == Measurement::Over::time ? "s" : "m"));
     // What is flat within the noise after a step says nothing of how it went there.
     const auto unknown = [](const FittedParameter& parameter) { return std::isnan(parameter.low); };
     if (m.kind == Measurement::Kind::velocity_step && std::ranges::any_of(result_.parameters, unknown)) {

@@ -56,8 +56,8 @@ double least_between(double g0, double d0, double g1, double d1) {
 }  // namespace
 
 std::optional<DrivenBlock> DrivenBlock::of(const Structure& s) {
-  if (s.size() != 1 || s.contacts.size() != 1 || !s.stops.empty() || !s.limited.empty() || !s.functionals.empty() ||
-      s.force.size() != 1)
+  if (s.size() != 1 || s.contacts.size() != 1 || !s.stops.empty() || !s.limited.empty() || !s.sampled.empty() ||
+      !s.functionals.empty() || s.force.size() != 1)
     return {};
   const auto& contact = s.contacts[0];
   if (!contact.law || !contact.law->set_valued() || contact.law->has_states() || contact.normal.size() > 0 ||

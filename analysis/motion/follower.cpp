@@ -46,6 +46,8 @@ Outcome Follower::follow(double t, std::vector<double>& y, double end, const Sec
           !outcome.complete())
         return counted(outcome);
       Step& step = solver.stepper();
+      if (growth_ && growth_->continues(step.length(), step.state()))
+        return counted({Ending::unbounded, growth_->described(solver.time())});
       const int stop = stops_ ? stops_->find(step) : -1;
       if (section && cross_section(step, *section)) {
         if (tangent_) propagate(step);
@@ -68,8 +70,17 @@ Outcome Follower::follow(double t, std::vector<double>& y, double end, const Sec
     y = solver.state();
     t = limit;
     if (t < end) system_.cross_break(t, y.data());
+    if (structure_) structure_->sample(t, y.data());  // also at the end, from which others go on
   }
   return counted({});
+}
+
+void Follower::carry(std::vector<double>* tangent, int columns) {
+  if (structure_ && !structure_->structure().sampled.empty())
+    throw InputError(
+        "a servo that samples reads the motion at moments of its own clock, of which its periods are no multiples: "
+        "derivatives of its motion are not taken");
+  tangent_ = tangent, columns_ = columns;
 }
 
 /// Across the last step, with what the parameter adds: d(s f(s t))/dp − (∂M/∂p) ẏ by differences of the varied systems,

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "analysis/motion/growth.hpp"
 #include "analysis/motion/reversal_steps.hpp"
 #include "analysis/motion/stop_watch.hpp"
 #include "oscillators/structure_system.hpp"
@@ -29,7 +30,7 @@ class Follower {
   /// \param system  outlives this; its modes are set
   Follower(SwitchingSystem& system, double tolerance) : system_(system), tolerance_(tolerance) {}
   Follower(oscillators::StructureSystem& system, double tolerance)
-      : system_(system), structure_(&system), reversal_steps_(system), tolerance_(tolerance) {
+      : system_(system), structure_(&system), reversal_steps_(system), tolerance_(tolerance), growth_(system) {
     if (system.stops() > 0) stops_.emplace(system);
   }
 
@@ -39,8 +40,9 @@ class Follower {
   /// Carries the columns of `tangent` (size × columns, row-major): a disturbance of the start at fixed time becomes
   /// that of the end. At a switch it jumps by the saltation matrix (Aizerman & Gantmakher 1958; Leine & Nijmeijer 2004,
   /// chapter 7): the time of the switch depends on the disturbance, and stick forgets that of the slip rate. Drives
-  /// with breaks are not for this.
-  void carry(std::vector<double>* tangent, int columns) { tangent_ = tangent, columns_ = columns; }
+  /// with breaks are not for this. \throws InputError for a servo that samples, which turns a disturbance at its
+  /// samples
+  void carry(std::vector<double>* tangent, int columns);
   /// The last column of the tangent is the derivative with respect to a parameter, by which these systems differ from
   /// the one that is followed: it is larger by `step` in one and smaller in the other. Not for systems with stops.
   struct Varied {
@@ -49,7 +51,8 @@ class Follower {
   };
   void vary(Varied larger, Varied smaller, double step) { varied_ = {larger, smaller, step}; }
 
-  /// Follows from (t, y) to `end` or to where the section says; then y is there, and time() too.
+  /// Follows from (t, y) to `end` or to where the section says; then y is there, and time() too. Ends `unbounded` where
+  /// the coordinates of a structure grow exponentially to a trillion of their natural sizes.
   Outcome follow(double t, std::vector<double>& y, double end, const Section* section = nullptr);
   double time() const { return time_; }
 
@@ -98,6 +101,7 @@ class Follower {
     Varied larger, smaller;
     double step = 0;
   } varied_;
+  std::optional<Growth> growth_;    ///< of a structure
   std::optional<StopWatch> stops_;  ///< where there are stops
   std::vector<Event> events_;       ///< that were not told yet
   bool armed_ = false;              ///< the section may be crossed: the motion has left it since its start

@@ -250,7 +250,8 @@ std::unique_ptr<Stepper> make_stepper(const Structure& structure, const StationF
                                       const Stepping& stepping, const VectorXd& q, const VectorXd& v) {
   require(stepping.step, {1e-15, 1e15}, "solver.step", "length of a step", "s");
   if (!structure.stops.empty()) throw InputError("steps of a given length do not serve structures with end stops");
-  if (!structure.limited.empty()) throw InputError("steps of a given length do not serve a servo with a limit");
+  if (!structure.limited.empty() || !structure.sampled.empty())
+    throw InputError("steps of a given length do not serve a servo with a limit or a sampling time");
   for (std::size_t j = 0; j < structure.contacts.size(); ++j)
     if (structure.contacts[j].law->set_valued() && !structure.contacts[j].frictionless())
       throw InputError(fmt::format(

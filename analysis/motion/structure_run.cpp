@@ -42,6 +42,7 @@ class EnergyAudit {
   }
   /// The last step, in the modes that it was taken in.
   void add(const solvers::steps::Collocation& step) {
+    if (!system_.structure().sampled.empty()) add_sample(step);
     const Structure& structure = system_.structure();
     for (int i = 0; i < solvers::steps::Collocation::stages; ++i) {
       step.stage(i, y_.data());
@@ -68,16 +69,22 @@ class EnergyAudit {
       turned_over_ += weight * size;
     }
   }
+  /// Elastic energy is counted with the force that a servo holds, q u: what a sample makes of it is no work.
+  void add_sample(const solvers::steps::Collocation& step) {
+    const double before = energy(step.time_before(), step.state_before().data());
+    work_ += before - last_, last_ = energy(step.time(), step.state().data());
+  }
   void add_impact(const MotionEvent& event) {
     const auto& stop = system_.structure().stops[event.stop];
     const double e = stop.restitution;
     const double lost = 0.5 * mass_[stop.coordinate].begin()->value * (1 - e * e) * event.speed * event.speed;
     impacts += lost, work_ -= lost, turned_over_ += lost;
   }
-  void begin(double t, const double* y) { before_ = energy(t, y), largest_ = before_; }
+  void begin(double t, const double* y) { last_ = before_ = energy(t, y), largest_ = before_; }
   /// Part of what was turned over that the balance leaves open.
   double residual(double t, const double* y) const {
-    const double now = energy(t, y), throughput = turned_over_ + std::max(largest_, now);
+    const double now = system_.structure().sampled.empty() ? energy(t, y) : last_,
+                 throughput = turned_over_ + std::max(largest_, now);
     return throughput > 0 ? std::abs(now - before_ - work_) / throughput : 0;
   }
   std::vector<double> impulse, pressed;  ///< N s, of friction and of the load of each contact
@@ -89,7 +96,7 @@ class EnergyAudit {
   const StructureSystem& system_;
   oscillators::SparseRows mass_, symmetric_, skew_;
   std::vector<double> force_, y_;
-  double before_ = 0, largest_ = 0, work_ = 0, turned_over_ = 0;
+  double before_ = 0, last_ = 0, largest_ = 0, work_ = 0, turned_over_ = 0;  ///< J; last_: at the end of the last step
 };
 
 /// Where slip of contacts under smooth laws reverses.

@@ -26,8 +26,8 @@ void check_stops(const oscillators::StructureSystem& system, const VectorXd& q, 
 }
 }  // namespace
 
-std::vector<double> starting_point(const oscillators::StructureSystem& system, const StructureStart& start) {
-  if (!start.unknowns.empty()) return start.unknowns;
+namespace {
+std::vector<double> before_sampling(const oscillators::StructureSystem& system, const StructureStart& start) {
   const int n = system.coordinates();
   std::vector<double> steady;
   if (start.kind == Start::Kind::steady) steady = system.steady(0);
@@ -57,6 +57,14 @@ std::vector<double> starting_point(const oscillators::StructureSystem& system, c
     given = true;
   }
   return given ? system.unknowns_at(0, q, velocity, states) : y;
+}
+}  // namespace
+
+std::vector<double> starting_point(const oscillators::StructureSystem& system, const StructureStart& start) {
+  if (!start.unknowns.empty()) return start.unknowns;
+  auto y = before_sampling(system, start);
+  system.begin_sampling(y.data());
+  return y;
 }
 
 }  // namespace rosin::analysis::motion

@@ -250,7 +250,8 @@ oscillators::FrictionContact directions(Eigen::VectorXd tangential, Eigen::Matri
 
 Structure modal(const std::vector<Mode>& modes) {
   const auto n = Eigen::Index(modes.size());
-  Structure s{Matrix::Zero(n, n), Matrix::Zero(n, n), Matrix::Zero(n, n), {}, {}, {}, {}, {}, {}};
+  Structure s;
+  s.M = s.C = s.K = Matrix::Zero(n, n);
   auto contact = directions(Eigen::VectorXd(n), Eigen::VectorXd(n));
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto& mode = modes[std::size_t(i)];
@@ -270,6 +271,21 @@ Complex receptance(const Structure& structure, Complex s) {
       s * s * structure.M.cast<Complex>() + s * structure.C.cast<Complex>() + structure.K.cast<Complex>();
   const ComplexMatrix t = structure.contacts.front().tangential.cast<Complex>();
   return (t.transpose() * D.partialPivLu().solve(t))(0, 0);
+}
+
+std::vector<double> loads_under_friction(const Structure& structure, const Model& model, const NormalContact& normal) {
+  const Assembly assembly(structure, model, normal);
+  if (std::ranges::none_of(assembly.contacts, &Assembly::Direction::pressed)) return {};
+  const double V = model.drive.speed.level(), N = model.drive.normal_load.level();
+  const double friction = (V < 0 ? -N : N) * model.law->steady_friction({std::abs(V), N}).friction;
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(assembly.n);
+  for (const auto& contact : assembly.contacts) force += friction * contact.t;
+  const Eigen::FullPivLU<Matrix> stiffness(assembly.stiffness(0, 0).real());
+  if (!stiffness.isInvertible()) return {};
+  const Eigen::VectorXd x = stiffness.solve(force);
+  std::vector<double> loads;
+  for (const auto& contact : assembly.contacts) loads.push_back(N + normal.stiffness * contact.normal.dot(x));
+  return loads;
 }
 
 ClosedLoop close_loop(const Structure& structure, const Model& model, const std::optional<NormalContact>& normal) {

@@ -84,6 +84,11 @@ struct ClosedLoop {
 /// by itself.
 ClosedLoop close_loop(const Structure&, const Model&, const std::optional<NormalContact>& normal = {});
 
+/// What presses each contact in steady sliding (N), where the model's load is that without friction: friction moves the
+/// structure, K x = Σ t F − n k_n nᵀx, and with it the load. Empty where no contact is pressed by motion, or where the
+/// structure has no steady sliding.
+std::vector<double> loads_under_friction(const Structure&, const Model&, const NormalContact&);
+
 /// Receptance δ(tᵀx)/δF of the structure at contact 0, m/N.
 std::complex<double> receptance(const Structure&, std::complex<double> s);
 

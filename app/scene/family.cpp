@@ -60,17 +60,7 @@ Family::Family(const SceneReader& like, std::string varied_by, Read read)
 }
 
 std::string Family::in_full(const std::string& path) const {
-  std::string full = path.starts_with("contacts.") ? "oscillator." + path
-                     : path.starts_with("data.")   ? "fit." + path
-                                                   : path;
-  const auto dot = full.rfind('.');
-  if (dot != std::string::npos) {
-    const auto key = full.substr(dot + 1), signal = full.substr(0, dot);
-    const auto* node = node_at(document_, signal);
-    if ((key == "amplitude" || key == "angular_frequency" || key == "phase") && node && node->is_table() &&
-        node->as_table()->contains("harmonics"))
-      full = signal + ".harmonics.1." + key;
-  }
+  auto full = path_in_full(document_, path);
   // A signal's mean goes by the name of the signal.
   const auto* node = node_at(document_, full);
   if (node && node->is_table() && node->as_table()->contains("mean")) full += ".mean";

@@ -21,7 +21,8 @@ void read_servo(SceneReader& reader, const toml::node& node) {
   auto& structure = scene.structure->structure;
 
   Table table(node, "oscillator.servo");
-  table.expect({"coordinate", "kp", "ki", "kd", "reference", "feedforward", "limit", "anti_windup"});
+  table.expect({"coordinate", "kp", "ki", "kd", "reference", "feedforward", "limit", "anti_windup", "sampling_time",
+                "encoder_resolution", "filter"});
   int number = 1;
   if (structure.size() > 1) table.required("coordinate", "number of the coordinate, from 1");
   table.read("coordinate", number, 1, structure.size(), "number of the coordinate, from 1");
@@ -45,6 +46,29 @@ void read_servo(SceneReader& reader, const toml::node& node) {
     if (!(servo.limit < infinity && servo.integral > 0))
       fail(time->source(), "oscillator.servo.anti_windup has no effect without a limit (N) and an integral gain ki");
   }
+  if (const auto* time = table.find("sampling_time")) {
+    table.read("sampling_time", servo.sampling_time,
+               {"", "s", {1e-9, 1e9}, "time from one run of the servo's program to the next"});
+    constexpr auto follow = std::to_array<std::string_view>({"run", "sweep"});
+    if (std::ranges::find(follow, reader.request.verb) == follow.end())
+      fail(
+          time->source(),
+          "oscillator.servo.sampling_time: {} needs derivatives of the motion, or its period, but a servo that samples "
+          "reads it at moments of a clock of its own: it is followed by {}; leave it out here",
+          reader.request.verb, fmt::join(follow, ", "));
+  }
+  for (const auto& [key, value, quantity] :
+       {std::tuple{"encoder_resolution", &servo.encoder_resolution,
+                   Quantity{"", "m", {1e-15, 1e9}, "distance from one reading of the position to the next"}},
+        {"filter", &servo.filter, Quantity{"", "s", {1e-12, 1e9}, "time constant of the filter of the speed"}}}) {
+    const auto* given = table.find(key);
+    if (!given) continue;
+    table.read(key, *value, quantity);
+    if (!(servo.sampling_time > 0))
+      fail(given->source(), "oscillator.servo.{} has no effect without a sampling_time (s)", key);
+  }
+  if (const auto* filter = table.find("filter"); filter && servo.derivative == 0)
+    fail(filter->source(), "oscillator.servo.filter has no effect without a derivative gain kd (N s/m)");
   table.finish();
   if (!(servo.proportional > 0 || servo.integral > 0 || servo.derivative > 0))
     fail(node.source(), "oscillator.servo has no effect without a gain: give kp (N/m), ki (N/(m s)) or kd (N s/m)");

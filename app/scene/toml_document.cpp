@@ -217,7 +217,7 @@ void apply_override(toml::table& scene, const std::string& given) {
   const auto equals = given.find('=');
   if (equals == std::string::npos || equals == 0)
     throw InputError(fmt::format("{}: must read path=value, such as --set drive.speed=1e-5", origin));
-  const std::string path = given.substr(0, equals), value = given.substr(equals + 1);
+  const std::string path = path_in_full(scene, given.substr(0, equals)), value = given.substr(equals + 1);
   if (std::ranges::count(path, '.') > deepest)
     throw InputError(fmt::format("{}: tables or lists lie more than {} levels deep", origin, deepest));
   check_depth(value, origin);
@@ -238,6 +238,20 @@ void apply_override(toml::table& scene, const std::string& given) {
   }
 
   put(scene, path, *parsed.get("value"), origin);
+}
+
+std::string path_in_full(const toml::table& scene, const std::string& path) {
+  std::string full = path.starts_with("contacts.") ? "oscillator." + path
+                     : path.starts_with("data.")   ? "fit." + path
+                                                   : path;
+  const auto dot = full.rfind('.');
+  if (dot == std::string::npos) return full;
+  const auto key = full.substr(dot + 1), signal = full.substr(0, dot);
+  const auto* node = node_at(scene, signal);
+  if ((key == "amplitude" || key == "angular_frequency" || key == "phase") && node && node->is_table() &&
+      node->as_table()->contains("harmonics"))
+    full = signal + ".harmonics.1." + key;
+  return full;
 }
 
 void set_number(toml::table& scene, const std::string& path, double number) {
@@ -274,7 +288,7 @@ std::string filled_in(const std::string& pattern, const toml::table& scene) {
     if (close == std::string::npos)
       throw InputError(fmt::format("'{}' has a {{ without }}; it takes paths such as {{drive.speed}}", pattern));
     const auto path = pattern.substr(open + 1, close - open - 1);
-    const auto* value = node_at(scene, path);
+    const auto* value = node_at(scene, path_in_full(scene, path));
     if (!value || !(value->is_number() || value->is_string())) {
       std::vector<std::string> paths;
       list_values(scene, "", paths);

@@ -23,6 +23,10 @@ void apply_override(toml::table& scene, const std::string& given);
 /// The same of a number that a verb varies, which stands in no file. \throws InputError without a place
 void set_number(toml::table& scene, const std::string& path, double number);
 
+/// The path in full of one that is shortened as parameters of `map` and `branch` may be: "contacts.1.…" is in
+/// "oscillator", "data.1.…" in "fit", and "drive.force.amplitude" that of the first harmonic.
+std::string path_in_full(const toml::table& scene, const std::string& path);
+
 /// What stands at a path, or nullptr. Entries of lists are numbered from 1, as in overrides.
 const toml::node* node_at(const toml::table& scene, std::string_view path);
 

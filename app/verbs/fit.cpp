@@ -445,9 +445,13 @@ Status perform_fit(Job& job) {
     for (std::size_t d = 0; d < fit.measurements.size(); ++d) {
       const auto& m = fit.measurements[d];
       const auto& data = asked.data[d];
+      constexpr double least = 0.005;  // that two digits show
       if (m.error_found)
-        job.say("  noise of {:<25} {:.3g}{}, of neighbours correlated by {:.2f}", data.name, m.noise.size,
-                data.unit_of_y() == "1" ? "" : " " + data.unit_of_y(), m.noise.correlation);
+        job.say("  noise of {:<25} {:.3g}{}{}", data.name, m.noise.size,
+                data.unit_of_y() == "1" ? "" : " " + data.unit_of_y(),
+                std::abs(m.noise.correlation) < least
+                    ? ""
+                    : fmt::format(", of neighbours correlated by {:.2f}", m.noise.correlation));
       if (const auto points = std::ranges::count(m.bounded, 1); points > 0)
         job.say("  rest in  {:<25} {} of {} points: friction there is bounded, not predicted; {}", data.name, points,
                 data.y.size(), why_at_rest(data.history.rest));

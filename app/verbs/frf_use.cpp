@@ -211,6 +211,23 @@ void table_stability(Job& job, results::Result& result, std::vector<std::string>
 
 }  // namespace
 
+namespace {
+/// Says where friction would change a load that was measured without sliding.
+void note_loads(Job& job, const analysis::response::Structure& structure,
+                const analysis::response::NormalContact& normal) {
+  const auto& model = job.scene().model;
+  const double N = model.drive.normal_load.level();
+  const auto loads = analysis::response::loads_under_friction(structure, model, normal);
+  const auto off = [N](double load) { return std::abs(load - N); };
+  constexpr double hardly = 0.01;
+  if (loads.empty() || !(off(std::ranges::max(loads, {}, off)) > hardly * N)) return;
+  job.note(
+      fmt::format("{:.6g} N presses each contact in steady sliding, as drive.normal_load has it; where that is the "
+                  "load without friction, sliding makes it {:.4g} N",
+                  N, fmt::join(loads, " N, ")));
+}
+}  // namespace
+
 void add_stability(Job& job, results::Result& result, std::vector<std::string>& files) {
   const auto& scene = job.scene();
   auto& frf = scene.task<tasks::Frf>();
@@ -222,6 +239,7 @@ void add_stability(Job& job, results::Result& result, std::vector<std::string>& 
     return;
   }
   const auto structure = use.sliding.structure();
+  if (use.sliding.normal) note_loads(job, structure, *use.sliding.normal);
   const auto loop = analysis::response::close_loop(structure, scene.model, use.sliding.normal);
   stability["stable"] = loop.stable;
   stability["marginal"] = loop.marginal;

@@ -45,6 +45,12 @@ std::string justified(double value, double error, std::string_view si) {
   return fmt::format("{} ± {:.0e}{}", output::digits_by_error(value, error), error, suffix);
 }
 
+std::string justified_above_zero(double value, double error, std::string_view si) {
+  if (!(value >= 0 && std::isfinite(error) && error > value)) return justified(value, error, si);
+  const auto [unit, factor] = written_unit(si);
+  return fmt::format("0 … {:.2g}{}", (value + error) / factor, unit == "1" ? std::string() : fmt::format(" {}", unit));
+}
+
 double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }

@@ -25,6 +25,9 @@ namespace rosin::app::verbs {
 scene::WrittenUnit written_unit(std::string_view si);
 /// A value in SI with the digits that its error leaves meaningful, in the unit of the scene: "22.58705580 ± 3e-08 um".
 std::string justified(double value, double error, std::string_view si);
+/// The same of a quantity that is never negative: where the error is larger than the value, the range that it leaves,
+/// "0 … 8".
+std::string justified_above_zero(double value, double error, std::string_view si);
 
 double seconds_since(std::chrono::steady_clock::time_point begin);
 

@@ -188,7 +188,8 @@ Status perform_string_run(Job& job) {
           double(record.bowing.samples) * string.step(), transient.slips.size(), name_of(transient.regime));
   for (const auto& metric : metrics)
     if (std::isfinite(metric.value))
-      job.say("  {:<18} {}  ({})", metric.name, justified(metric.value, metric.error, metric.unit), metric.meaning);
+      job.say("  {:<18} {}  ({})", metric.name, justified_above_zero(metric.value, metric.error, metric.unit),
+              metric.meaning);
   if (transient.length >= task.options.transient.most && !transient.slips.empty())
     job.say("  no Helmholtz motion within {} periods of the first slip", task.options.transient.most);
   const double full_scale = output::write_wav(job.folder() / sound_file(task), record.sound, string.sample_rate);

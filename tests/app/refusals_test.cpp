@@ -130,6 +130,8 @@ TEST_CASE("a servo says what it needs", "[refusals][servo]") {
                                    std::pair{"{ kp = 1, feedforward = 2 }", "feedforward has no effect"},
                                    std::pair{"{ kp = 1, limit = 0 }", "oscillator.servo.limit = 0"},
                                    std::pair{"{ kp = 1, limit = 2, anti_windup = 1 }", "anti_windup has no effect"},
+                                   std::pair{"{ kp = 1, filter = 1 }", "filter has no effect without a sampling_time"},
+                                   std::pair{"{ kp = 1, sampling_time = 0.1 }", "it is followed by run, sweep"},
                                    std::pair{"{ kp = 1, reference = '1 N' }", "oscillator.servo.reference"}}) {
     const auto printed = with(servo);
     INFO(servo);

@@ -254,3 +254,108 @@ TEST_CASE("feedforward of harmonics has the gain and phase of its transfer funct
   stepped.reference = jumps;
   CHECK_THROWS_WITH(with_servo(one_slider(carriage(0, 0)), stepped), Contains("a ramp or harmonics"));
 }
+
+namespace {
+
+/// A mass of 1 kg alone, which a servo that samples moves from 1 m to 0.
+Structure free_mass(Servo servo) {
+  Structure structure;
+  structure.M = Eigen::MatrixXd::Identity(1, 1), structure.C = structure.K = Eigen::MatrixXd::Zero(1, 1);
+  structure.names = {"displacement"}, structure.units = {"m"};
+  return with_servo(std::move(structure), servo);
+}
+
+analysis::motion::Run run_from_one(Structure structure, double sampling_time, int samples) {
+  auto model = moving_from_rest(std::move(structure));
+  model.start.coordinates = {1.0};
+  analysis::motion::RunOptions options;
+  for (int k = 0; k <= samples; ++k) options.times.push_back(k * sampling_time);
+  options.duration = options.times.back(), options.tolerance = 1e-10;
+  return analysis::motion::run_structure(model, options);
+}
+
+}  // namespace
+
+TEST_CASE("a servo that samples moves a mass by the powers of its sampled-data matrix", "[servo]") {
+  // x_{k+1} = x + h v + h²/2 u, v_{k+1} = v + h u, u = −kp x − kd v.
+  const double kp = 100, kd = 2, h = 0.01;
+  const Eigen::Matrix2d A{{1 - kp * h * h / 2, h - kd * h * h / 2}, {-kp * h, 1 - kd * h}};
+  const int samples = 40;
+  const auto run =
+      run_from_one(free_mass({.coordinate = 0, .proportional = kp, .derivative = kd, .sampling_time = h}), h, samples);
+  REQUIRE(run.outcome.complete());
+  Eigen::Vector2d expected(1, 0);
+  for (int k = 0; k <= samples; ++k, expected = A * expected)
+    CHECK(column(run, "displacement")[std::size_t(k)] == Approx(expected[0]).margin(1e-9));
+  CHECK(run.metrics.at("energy_residual") < 1e-8);
+}
+
+TEST_CASE("beyond its longest sampling time a servo grows, by the eigenvalue of its sampled-data matrix", "[servo]") {
+  // det A = 1 − kd h + kp h²/2 is 1 at h = 2 kd/kp, where A has a pair of eigenvalues.
+  const double kp = 100, kd = 2, longest = 2 * kd / kp;
+  const auto end_at = [&](double h) {
+    return run_from_one(free_mass({.coordinate = 0, .proportional = kp, .derivative = kd, .sampling_time = h}), h,
+                        20'000)
+        .outcome;
+  };
+  const double below = 0.95 * longest, above = 1.05 * longest;
+  CHECK(end_at(below).complete());
+  const auto outcome = end_at(above);
+  REQUIRE(outcome.ending == Ending::unbounded);
+  const double growth = std::log(1 - kd * above + kp * above * above / 2) / (2 * above);
+  CHECK(std::stod(outcome.detail.substr(outcome.detail.find("grows with ") + 11)) == Approx(growth).epsilon(0.05));
+}
+
+TEST_CASE("an encoder's steps and the filter of their differences are what the servo's program computes", "[servo]") {
+  const double h = 0.01, q = 3e-3;
+  const Servo servo{.coordinate = 0,
+                    .proportional = 100,
+                    .integral = 150,
+                    .derivative = 8,
+                    .reference = 0.2,
+                    .limit = 30,
+                    .anti_windup = 0.1,
+                    .sampling_time = h,
+                    .encoder_resolution = q,
+                    .filter = 0.02};
+  const int samples = 100;
+  const auto run = run_from_one(free_mass(servo), h, samples);
+  REQUIRE(run.outcome.complete());
+  double x = 1, v = 0, f = 0, before = q * std::round(x / q), filtered = 0;
+  for (int k = 0; k <= samples; ++k) {
+    CHECK(column(run, "displacement")[std::size_t(k)] == Approx(x).margin(1e-9));
+    const double reading = q * std::round(x / q), error = 0.2 - reading;
+    filtered = (servo.filter * filtered + reading - before) / (servo.filter + h), before = reading;
+    const double u = 100 * error + f - 8 * filtered, limited = std::clamp(u, -30.0, 30.0);
+    f += h * (150 * error - (u - limited) / 0.1);
+    x += h * v + h * h / 2 * limited, v += h * limited;
+  }
+}
+
+TEST_CASE("a servo that samples is followed, and not differentiated", "[servo]") {
+  auto structure = with_servo(
+      one_slider(carriage(1.5, 1.0)),
+      {.coordinate = 0, .proportional = 3, .integral = 4, .derivative = 6, .reference = 1.0, .sampling_time = 0.01});
+  CHECK_THROWS_WITH(find_cycle(moving_from_rest(structure), {}), Contains("a clock of its own"));
+  structure.contacts[0].speed = 0.1;
+  CHECK_THROWS_WITH(analysis::steady::stability(structure), Contains("a servo that samples holds its force"));
+}
+
+TEST_CASE("with short samples hunting is that of the servo that acts without delay", "[servo]") {
+  const auto positions = [](double sampling_time) {
+    Servo servo{.coordinate = 0, .proportional = 3, .integral = 4, .derivative = 6, .reference = 1.0};
+    servo.sampling_time = sampling_time;
+    auto model = moving_from_rest(with_servo(one_slider(carriage(1.5, 1.0)), servo));
+    analysis::motion::RunOptions options;
+    options.duration = 60, options.samples = 60, options.tolerance = 1e-6;
+    return column(analysis::motion::run_structure(model, options), "displacement");
+  };
+  const auto exact = positions(0), coarse = positions(0.02), fine = positions(0.005);
+  const auto apart = [&](const std::vector<double>& x) {
+    double sum = 0;
+    for (std::size_t i = 0; i < exact.size(); ++i) sum += std::abs(x[i] - exact[i]) / double(exact.size());
+    return sum;
+  };
+  CHECK(apart(fine) < 2e-3);
+  CHECK(apart(fine) < 0.4 * apart(coarse));
+}

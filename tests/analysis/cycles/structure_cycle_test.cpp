@@ -149,8 +149,7 @@ TEST_CASE("a drive without a period, none at all, and motions that grow or die o
   // At resonance friction holds amplitudes of the force below 4/π of itself only.
   model.drive.force = cosine(0.5, 1);
   const auto grows = find_cycle(from_rest(oscillators::one_slider(model)), {.tolerance = 1e-6});
-  CHECK(grows.outcome.ending == Ending::none_exists);
-  CHECK(grows.outcome.detail.find("without bound") != std::string::npos);
+  CHECK(grows.outcome.ending == Ending::unbounded);
   // Friction that rises with slip rate: steady sliding.
   model.law = laws::find_law("coulomb")->with({0.3, 0.3});
   model.slider.damping = 0.2, model.drive.force = 0.0, model.drive.speed = 0.5;

@@ -366,3 +366,18 @@ TEST_CASE("a bristle's numbers come back from a recorded motion", "[fit]") {
   }
   CHECK(found.steps > 250 * found.predictions);
 }
+
+TEST_CASE("a sample at the instant of a step that reads friction from before it is told of", "[fit]") {
+  auto m = step();
+  m.x.insert(m.x.begin(), {-0.2, -0.1, 0.0});
+  auto data = noisy(ageing(), m, 2e-4, 5);
+  const auto told = [&](const Measurement& of) {
+    const auto found = fit(ageing(), {of}, {.parameters = {"law.mu0", "law.a", "law.b", "law.L"}, .profiles = false});
+    return std::ranges::any_of(found.warnings, [](const auto& warning) {
+      return warning.find("reads friction from before it") != std::string::npos;
+    });
+  };
+  CHECK_FALSE(told(data));
+  data.y[2] = data.y[1];
+  CHECK(told(data));
+}

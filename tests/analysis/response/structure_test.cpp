@@ -533,3 +533,21 @@ TEST_CASE("contacts that remember the load and press themselves: eigenvalues bal
     CHECK(std::abs(response.normal(at) - Y) < 1e-12 * std::abs(Y));
   }
 }
+
+TEST_CASE("friction changes the load of a contact that its structure couples to sliding", "[response]") {
+  // k₁ x + c y = μ N, c x + k₂ y = −k_n y and N = N₀ + k_n y.
+  const double k1 = 3, k2 = 2, c = 0.7, k_n = 5, mu = 0.4, N = 2;
+  analysis::response::Structure structure;
+  structure.M = Eigen::Matrix2d::Identity(), structure.C = Eigen::Matrix2d::Zero(),
+  structure.K = Eigen::Matrix2d{{k1, c}, {c, k2}};
+  auto& contact = structure.contacts.emplace_back();
+  contact.tangential = Eigen::Vector2d(1, 0), contact.normal = Eigen::Vector2d(0, 1);
+  oscillators::Model model;
+  model.law = laws::find_law("coulomb")->with({mu, mu});
+  model.drive.speed = 1.0, model.drive.normal_load = N;
+  const auto loads = analysis::response::loads_under_friction(structure, model, {.stiffness = k_n});
+  REQUIRE(loads.size() == 1);
+  CHECK(loads[0] == Approx(N / (1 + k_n * c * mu / ((k2 + k_n) * k1 - c * c))));
+  structure.contacts[0].normal.resize(0, 0);
+  CHECK(analysis::response::loads_under_friction(structure, model, {.stiffness = k_n}).empty());
+}

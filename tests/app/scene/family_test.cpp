@@ -126,3 +126,26 @@ TEST_CASE("overrides reach into lists, whose entries are numbered from 1") {
         std::string::npos);
   CHECK(refusal(two_modes, "stability", {"oscillator.K.1.x=0.5"}).find("list of 2") != std::string::npos);
 }
+
+TEST_CASE("paths of parameters are those of overrides too", "[app]") {
+  const std::string forced = R"([law]
+type = 'coulomb'
+mu = 0.3
+[oscillator]
+mass = 1
+stiffness = 1
+[drive]
+speed = 1
+normal_load = 2
+force = { mean = 0, harmonics = [{ amplitude = 1, angular_frequency = 0.7 }] }
+[run]
+duration = 1
+start = 'rest'
+)";
+  const auto amplitude = [&](const std::string& change) {
+    return read(forced, "run", {change}).model.drive.force.piece(0).terms.at(0).amplitude;
+  };
+  CHECK(amplitude("drive.force.amplitude=0.25") == 0.25);
+  CHECK(amplitude("drive.force.harmonics.1.amplitude=0.25") == 0.25);
+  CHECK_THAT(refusal(two_modes, "map", {"contacts.2.law.mu_d=-1"}), Contains("mu_d = -1"));
+}

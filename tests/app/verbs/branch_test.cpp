@@ -248,3 +248,24 @@ start = [{ velocity = 0 }, { velocity = 1.5 }, { velocity = 0.01 }]
   CHECK(document["events"][0]["kind"] == "fold");
   CHECK(document["events"][0]["branch"] == 1);
 }
+
+TEST_CASE("doubled cycles end at the doubling where their halves are equal again, and are followed once",
+          "[app][branches]") {
+  const Folder folder;
+  const auto answer = run_rosin(
+      folder, "branch " ROSIN_SOURCE_DIR
+              "/cases/branches/modulated-load.toml --set "
+              "drive.normal_load.harmonics.1.amplitude=2e-3 --set branch.parameter=drive.normal_load.angular_frequency "
+              "--set branch.from=1.2 --set branch.to=1.7 --tolerance 1e-6 --no-pictures --json");
+  REQUIRE(answer.status == 0);
+  const auto document = nlohmann::json::parse(answer.out);
+  // Born at 1.392 rad/s, turned at a fold, and gone at 1.561 rad/s, the other edge of parametric resonance.
+  REQUIRE(document["branches"].size() == 2);
+  const auto& doubled = document["branches"][1];
+  CHECK(doubled["value"].get<double>() == Approx(1.3922215).epsilon(1e-6));
+  CHECK(doubled["to_value"].get<double>() == Approx(1.5608163713).epsilon(1e-8));
+  CHECK(doubled["points"].get<int>() < 200);
+  int folds = 0;
+  for (const auto& event : document["events"]) folds += event["kind"] == "fold";
+  CHECK(folds == 1);
+}

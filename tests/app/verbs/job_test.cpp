@@ -7,7 +7,7 @@
 #include "tests/app/command.hpp"
 
 using Catch::Matchers::Contains;
-using rosin::app::verbs::justified;
+using rosin::app::verbs::justified, rosin::app::verbs::justified_above_zero;
 using namespace rosin::tests;
 
 TEST_CASE("a value has digits down to those of its error, zeros at the end included, and none below", "[app][digits]") {
@@ -20,6 +20,10 @@ TEST_CASE("a value has digits down to those of its error, zeros at the end inclu
   CHECK(justified(0, 1e-12, "1") == "0 ± 1e-12");
   CHECK(justified(0.3, 0, "1") == "0.3");  // exact
   CHECK(justified(0.3, std::numeric_limits<double>::infinity(), "1") == "0.3, of unknown error");
+  // What cannot be negative has a range where the error is larger.
+  CHECK(justified_above_zero(0, 8, "1") == "0 … 8");
+  CHECK(justified_above_zero(0.5, 1.5, "s") == "0 … 2 s");
+  CHECK(justified_above_zero(9.7393, 8e-4, "1") == "9.7393 ± 8e-04");
 }
 
 TEST_CASE("eigenvalues show no digits of rounding, and readings that are yes or no are words", "[app][digits]") {
