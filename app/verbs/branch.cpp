@@ -540,8 +540,9 @@ Status perform_branch(Job& job) {
                                    cycle.branch.outcome.detail, path, cycle.from_value)};
   const double seconds = seconds_since(begin);
   const auto& unit = task.parameter.unit;
-  const auto with_unit = [](double value, const std::string& unit) {  // of what is chosen
-    return fmt::format("{:.9g}{}", value, unit == "1" ? "" : " " + unit);
+  const auto with_unit = [](double value, const std::string& si) {  // of what is chosen
+    const auto [unit, factor] = written_unit(si);
+    return fmt::format("{:.9g}{}", value / factor, unit == "1" ? "" : " " + unit);
   };
   for (const auto& crossing : found.crossings)
     job.say("{:<17} {} = {}{}", crossing.angular_frequency > 0 ? "hopf" : "divergence", path,
@@ -560,7 +561,7 @@ Status perform_branch(Job& job) {
                 at.view.stable ? "stable" : "unstable");
   }
   if (found.cycles.empty() && found.crossings.empty())
-    job.say("steady sliding does not change its stability between {:.9g} and {}", range.from,
+    job.say("steady sliding does not change its stability between {} and {}", with_unit(range.from, unit),
             with_unit(range.to, unit));
   for (const auto& [kind, points, begins, ends, events] : loci.curves) {
     if (points.empty()) {

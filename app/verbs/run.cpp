@@ -203,9 +203,9 @@ void tell_of(const Job& job, const results::Table& events) {
     if (column.error.empty() || column.of.name == "onset" || known.empty()) continue;
     const auto [low, high] = std::ranges::minmax(known);
     const double mean = std::accumulate(known.begin(), known.end(), 0.0) / double(known.size());
-    const double error = column.error.front();
+    const double error = column.error.front(), factor = written_unit(column.of.unit).factor;
     job.say("  {:<22} {}{}", column.of.name, justified(mean, error, column.of.unit),
-            high - low > 2 * error ? fmt::format(", {:.6g} to {:.6g}", low, high) : "");
+            high - low > 2 * error ? fmt::format(", {:.6g} to {:.6g}", low / factor, high / factor) : "");
   }
 }
 

@@ -386,7 +386,7 @@ Status perform_on_structure(Job& job) {
     const auto& fastest = window.fastest;
     job.say("the mode of {:.4g} Hz grows from {} to {}, with {} 1/s at {:.4g}", fastest.frequency(),
             edge(window.onset, "the scan's beginning"), edge(window.end, "its end"),
-            known(fastest.growth_rate(), fastest.error, 4), window.at);
+            known(fastest.growth_rate(), fastest.error, 4), window.at / written_unit(parameter.unit).factor);
   }
   if (!scan.without.empty())
     job.note(fmt::format("no steady sliding at {} = {:.9g}: no eigenvalues there", parameter.name,
