@@ -1,5 +1,5 @@
-/// Definitions of what eigen_instances.hpp declares.
+/// Kernels and decompositions of Eigen, compiled here for all files.
 #include "core/eigen_assertions.hpp"
-//
+// Definitions in place of declarations.
 #define ROSIN_EIGEN_INSTANCE template
 #include "core/eigen_instances.hpp"

@@ -222,6 +222,9 @@ struct Problem {
     for (std::size_t i = 0; i < free.size(); ++i) all[free[i]] = gsl_vector_get(x, i);
     return all;
   }
+  bool errors_given() const {
+    return std::ranges::none_of(*data, [](const auto& m) { return m.error.empty(); });
+  }
   /// y of all measurements.
   std::size_t numbers() const {
     std::size_t n = 0;
@@ -605,8 +608,7 @@ class Conclusion {
   /// profile.
   bool described() const {
     constexpr double far_off = 4;  // times what errors allow
-    const bool errors_given = std::ranges::none_of(*problem_.data, [](const auto& m) { return m.error.empty(); });
-    return !errors_given || best_.chi_square < far_off * (result_.points - double(problem_.free.size()));
+    return !problem_.errors_given() || best_.chi_square < far_off * (result_.points - double(problem_.free.size()));
   }
   /// The noise of each measurement, without misfit.
   const std::vector<Told>& told() const { return told_; }
@@ -1022,7 +1024,7 @@ Fit fit(const Subject& model, const std::vector<Measurement>& data, const FitOpt
     problem.q.push_back(problem.variables.back().of(model.get(path)));
   }
   const std::size_t of_model = problem.variables.size();
-  bool errors_given = true;
+  const bool errors_given = problem.errors_given();
   for (std::size_t d = 0; d < data.size(); ++d) {
     const auto& m = data[d];
     check(m);
@@ -1034,7 +1036,6 @@ Fit fit(const Subject& model, const std::vector<Measurement>& data, const FitOpt
     problem.trends.push_back(m.terms.trend == Measurement::Terms::Trend::none ? std::vector<double>{}
                                                                               : trend_abscissa(m));
     problem.noise.push_back({m.error.empty() ? roughness(m.y) : 1, 0});
-    errors_given = errors_given && !m.error.empty();
     result.points += int(m.y.size());
     const bool repeats = m.kind == Measurement::Kind::stick_slip || m.kind == Measurement::Kind::motion;
     if (!m.pairs() && !repeats) {  // events repeat themselves, and what sticks stays where it is

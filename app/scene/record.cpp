@@ -438,11 +438,6 @@ class Clock {
   std::vector<std::pair<long, double>> marks_;
 };
 
-FilesRead*& files_read() {
-  static thread_local FilesRead* now = nullptr;
-  return now;
-}
-
 /// Of a sequence of checksums.
 std::uint64_t chained(std::uint64_t before, std::uint64_t next) {
   const std::uint64_t both[] = {before, next};
@@ -451,10 +446,8 @@ std::uint64_t chained(std::uint64_t before, std::uint64_t next) {
 
 }  // namespace
 
-FilesRead::FilesRead() : before_(std::exchange(files_read(), this)) {}
-FilesRead::~FilesRead() { files_read() = before_; }
 void FilesRead::note(const std::string& understood, std::uint64_t checksum) {
-  auto* now = files_read();
+  auto* now = current();
   if (!now) return;
   now->texts.push_back(understood);
   now->checksum = chained(now->checksum, checksum);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "app/scene/in_thread.hpp"
 #include "app/scene/table_layout.hpp"
 
 namespace rosin::app::scene {
@@ -41,17 +42,11 @@ RecordEnd read_record(const RecordSource&,
 
 /// While it lives, what is understood of files that are read in this thread is noted, for whoever wants it explained,
 /// and what their numbers are, for whoever must know them again.
-class FilesRead {
+class FilesRead : public InThread<FilesRead> {
  public:
-  FilesRead();
-  ~FilesRead();
-  FilesRead(const FilesRead&) = delete;
   static void note(const std::string& understood, std::uint64_t checksum);
   std::vector<std::string> texts;
   std::uint64_t checksum = 0;  ///< of all numbers, in their order; 0: none were read
-
- private:
-  FilesRead* before_;
 };
 
 }  // namespace rosin::app::scene

@@ -16,11 +16,6 @@ namespace rosin::app::scene {
 
 namespace {
 
-Reference*& current() {
-  static thread_local Reference* now = nullptr;
-  return now;
-}
-
 constexpr std::size_t area = 0, radius = 1;  // in Reference::keys
 
 /// A number in `unit` times the key's value to this power is one in `si`.
@@ -46,15 +41,14 @@ const std::array<Quantity, Reference::keys.size()>& quantities() {
 
 }  // namespace
 
-Reference::Reference(const toml::table& document) : before_(std::exchange(current(), this)) {
+Reference::Reference(const toml::table& document) {
   for (std::size_t i = 0; i < keys.size(); ++i)
     if (const auto found = document.at_path(quantities()[i].name)) values_[i] = number(*found.node(), quantities()[i]);
 }
 
 Reference::~Reference() {
   // A scene that is read within another one, changed in some numbers, refers to the same area and radius.
-  for (std::size_t i = 0; before_ && i < keys.size(); ++i) before_->used_[i] = before_->used_[i] || used_[i];
-  current() = before_;
+  for (std::size_t i = 0; before() && i < keys.size(); ++i) before()->used_[i] = before()->used_[i] || used_[i];
 }
 
 double Reference::to_si(std::string_view text, std::string_view si_unit) {

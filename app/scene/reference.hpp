@@ -11,15 +11,16 @@
 #include <string_view>
 #include <vector>
 
+#include "app/scene/in_thread.hpp"
+
 namespace rosin::app::scene {
 
 /// While it lives, numbers that are read in this thread may refer to the area and the radius of a scene.
-class Reference {
+class Reference : public InThread<Reference> {
  public:
   /// oscillator.area (m²) and oscillator.radius (m), where they are there. \throws InputError
   explicit Reference(const toml::table& document);
   ~Reference();
-  Reference(const Reference&) = delete;
 
   /// The number in `text` in `si_unit`: as it stands; where its unit is one per area, times oscillator.area; where it
   /// is that of a turning joint, times a power of oscillator.radius. \throws InputError that names the key that is
@@ -36,7 +37,6 @@ class Reference {
  private:
   std::array<std::optional<double>, keys.size()> values_;
   std::array<bool, keys.size()> used_{};
-  Reference* before_;
 };
 
 }  // namespace rosin::app::scene

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/scene/in_thread.hpp"
 #include "app/scene/record.hpp"
 #include "app/scene/reference.hpp"
 #include "app/scene/written_units.hpp"
@@ -86,32 +87,19 @@ std::string without_numbers(const std::string& path);
 
 /// While it lives, the numbers that are asked for in this thread are noted with their paths, there or not: what a scene
 /// may hold, for whoever varies one of them.
-class NumbersAsked {
+class NumbersAsked : public InThread<NumbersAsked> {
  public:
-  NumbersAsked() : before_(std::exchange(current(), this)) {}
-  ~NumbersAsked() { current() = before_; }
-  NumbersAsked(const NumbersAsked&) = delete;
   static void note(const Quantity& quantity) {
     if (auto* asked = current()) asked->quantities.push_back(quantity);
   }
   std::vector<Quantity> quantities;
-
- private:
-  static NumbersAsked*& current() {
-    static thread_local NumbersAsked* now = nullptr;
-    return now;
-  }
-  NumbersAsked* before_;
 };
 
 /// While it lives, the keys of the scene that are read in this thread are noted by their paths, entries of lists
 /// without their numbers: the register of what a verb makes use of. One within another takes the keys that are read
 /// only to be checked.
-class KeysRead {
+class KeysRead : public InThread<KeysRead> {
  public:
-  KeysRead() : before_(std::exchange(current(), this)) {}
-  ~KeysRead() { current() = before_; }
-  KeysRead(const KeysRead&) = delete;
   static void note(const std::string& path) {
     if (auto* keys = current()) keys->paths_.insert(without_numbers(path));
   }
@@ -119,13 +107,8 @@ class KeysRead {
   std::vector<std::string> unread(const toml::table& table, const std::string& path = "") const;
 
  private:
-  static KeysRead*& current() {
-    static thread_local KeysRead* now = nullptr;
-    return now;
-  }
   bool within(const std::string& path) const;  ///< whether a key of this table was read
   std::set<std::string> paths_;
-  KeysRead* before_;
 };
 
 /// A number in SI units: plain, or a text with a unit.

@@ -541,8 +541,8 @@ Status perform_branch(Job& job) {
   const double seconds = seconds_since(begin);
   const auto& unit = task.parameter.unit;
   const auto with_unit = [](double value, const std::string& si) {  // of what is chosen
-    const auto [unit, factor] = written_unit(si);
-    return fmt::format("{:.9g}{}", value / factor, unit == "1" ? "" : " " + unit);
+    const auto unit = written_unit(si);
+    return fmt::format("{:.9g}{}", value / unit.factor, unit.behind());
   };
   for (const auto& crossing : found.crossings)
     job.say("{:<17} {} = {}{}", crossing.angular_frequency > 0 ? "hopf" : "divergence", path,

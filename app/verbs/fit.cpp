@@ -182,17 +182,17 @@ results::Result result_of(const Job& job, const std::vector<analysis::inference:
 }
 
 std::string described(const analysis::inference::FittedParameter& p, double confidence) {
-  const auto [unit, factor] = written_unit(p.unit);
+  const auto unit = written_unit(p.unit);
   if (p.withheld)
-    return fmt::format("{:.4g}{}{}, no interval: the law does not describe these data", p.value / factor,
-                       unit == "1" ? "" : " ", unit == "1" ? "" : unit);
+    return fmt::format("{:.4g}{}, no interval: the law does not describe these data", p.value / unit.factor,
+                       unit.behind());
   if (std::isnan(p.low))
     return std::isnan(p.profile_low)
                ? "not determined by the data"
-               : fmt::format("bounded on one side by the data, {:.5g} … {:.5g}{}{}", p.profile_low / factor,
-                             p.profile_high / factor, unit == "1" ? "" : " ", unit == "1" ? "" : unit);
+               : fmt::format("bounded on one side by the data, {:.5g} … {:.5g}{}", p.profile_low / unit.factor,
+                             p.profile_high / unit.factor, unit.behind());
   return fmt::format("{}, {:.3g} % interval {:.5g} … {:.5g}", justified(p.value, p.standard_error, p.unit),
-                     100 * confidence, p.low / factor, p.high / factor);
+                     100 * confidence, p.low / unit.factor, p.high / unit.factor);
 }
 
 std::string why_at_rest(const analysis::inference::Rest& rest) {

@@ -36,9 +36,9 @@ scene::WrittenUnit written_unit(std::string_view si) {
 }
 
 std::string justified(double value, double error, std::string_view si) {
-  const auto [unit, factor] = written_unit(si);
-  value /= factor, error /= factor;
-  const auto suffix = unit == "1" ? std::string() : fmt::format(" {}", unit);
+  const auto unit = written_unit(si);
+  value /= unit.factor, error /= unit.factor;
+  const auto suffix = unit.behind();
   if (!std::isfinite(value)) return "none";
   if (std::isinf(error)) return fmt::format("{:.6g}{}, of unknown error", value, suffix);
   if (!(error > 0)) return fmt::format("{:.10g}{}", value, suffix);
@@ -47,8 +47,8 @@ std::string justified(double value, double error, std::string_view si) {
 
 std::string justified_above_zero(double value, double error, std::string_view si) {
   if (!(value >= 0 && std::isfinite(error) && error > value)) return justified(value, error, si);
-  const auto [unit, factor] = written_unit(si);
-  return fmt::format("0 … {:.2g}{}", (value + error) / factor, unit == "1" ? std::string() : fmt::format(" {}", unit));
+  const auto unit = written_unit(si);
+  return fmt::format("0 … {:.2g}{}", (value + error) / unit.factor, unit.behind());
 }
 
 double seconds_since(std::chrono::steady_clock::time_point begin) {
