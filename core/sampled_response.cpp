@@ -2,6 +2,7 @@
 #include "core/sampled_response.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <complex>
 
@@ -77,19 +78,11 @@ SampledResponse sampled(const Signal::Table& response, double shift, double step
   return result;
 }
 
-namespace {
-
-int power_of_two_from(std::size_t least) {
-  int n = 16;
-  while (std::size_t(n) < least) n *= 2;
-  return n;
-}
-
-}  // namespace
+constexpr std::size_t fewest = 16;  // samples of a transform
 
 LargestGain largest_gain(const SampledResponse& response) {
   constexpr std::size_t finer = 8;
-  const int n = power_of_two_from(finer * response.weights.size());
+  const int n = int(std::bit_ceil(std::max(fewest, finer * response.weights.size())));
   RealTransform transform(n);
   std::ranges::fill(transform.record(), 0.0);
   std::ranges::copy(response.weights, transform.record().begin());
@@ -105,7 +98,7 @@ std::vector<double> convolved(std::span<const double> samples, const SampledResp
   if (samples.empty() || response.weights.empty()) return result;
   // Of real records X Y is the transform of the convolution, and its inverse the transform of the mirrored spectrum.
   const double base = samples.front() * response.sum();
-  const int n = power_of_two_from(samples.size() + response.weights.size());
+  const int n = int(std::bit_ceil(std::max(fewest, samples.size() + response.weights.size())));
   RealTransform transform(n);
   const auto spectrum_of = [&](std::span<const double> values, double less) {
     std::ranges::fill(transform.record(), 0.0);
