@@ -16,13 +16,10 @@ using motion::Follower;
 using oscillators::StructureSystem;
 using solvers::steps::RadauTableau;
 
-namespace {
-/// The name of a column in those of metrics.
-std::string short_name(const std::string& column) {
+std::string metric_name(const std::string& column) {
   const std::string coefficient = "friction_coefficient";
   return column.starts_with(coefficient) ? "friction" + column.substr(coefficient.size()) : column;
 }
-}  // namespace
 
 PeriodRecord::PeriodRecord(const StructureSystem& system, double tolerance, double stick_threshold)
     : record(system), system_(system), steps_(record.names.size()) {
@@ -223,7 +220,7 @@ void PeriodRecord::stand(const double* y) {
 void PeriodRecord::finish(double duration) {
   add_metric("period", duration, "s", "period of the motion");
   for (std::size_t c = 0; c < record.names.size(); ++c) {
-    const auto name = short_name(record.names[c]);
+    const auto name = metric_name(record.names[c]);
     std::string words = name;
     std::ranges::replace(words, '_', ' ');
     const auto add = [&](const char* end, double value, const char* of) {

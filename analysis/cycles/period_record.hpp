@@ -55,6 +55,9 @@ class PeriodRecord {
   double heat_ = 0, moment_ = 0;
 };
 
+/// The name of a column in those of metrics: "friction" of a friction coefficient.
+std::string metric_name(const std::string& column);
+
 /// The metrics in steady sliding: extremes and means are its values, and ranges, times at low slip rates, harmonics and
 /// loops 0. Periods, phases and what adds up over a period have no value. \throws InputError without steady sliding
 std::map<std::string, double> metrics_of_sliding(const oscillators::Structure&);

@@ -125,13 +125,21 @@ class RecurrenceSearch {
       }
       choose_section(y, observe);
     }
-    Outcome outcome = map_.follow_crossings(
-        y, tolerance_,
-        [this](int crossing, double t, const std::vector<double>& there) {
-          mean_return_ = t / crossing;
-          return look(crossing, there);
-        },
-        observe);
+    Outcome outcome;
+    do {
+      refine_ = false;
+      const int before = crossings_;
+      outcome = map_.follow_crossings(
+          y, tolerance_,
+          [&](int crossing, double t, const std::vector<double>& there) {
+            mean_return_ = t / crossing;
+            if (look(before + crossing, there)) return true;
+            if (refine_ = steps_hide_recurrence(there); refine_) y = there;
+            return refine_;
+          },
+          observe);
+      if (refine_) tolerance_ *= finer_;
+    } while (refine_);
     if (result_.returns > 0) return result_;
     if (outcome.ending == Ending::reached_end || (outcome.ending == Ending::event && settled_))
       outcome = {Ending::none_exists, at_rest_or_sliding};
@@ -217,6 +225,17 @@ class RecurrenceSearch {
     return false;
   }
 
+  /// The errors of the steps in one return are as large as what a recurrence is known by: breakaway may amplify them a
+  /// hundred thousand times.
+  bool steps_hide_recurrence(const std::vector<double>& y) {
+    constexpr double least = 1e-11, seen = 1e-4;
+    if (crossings_ < next_check_ || finer_ * tolerance_ < least) return false;
+    next_check_ = 2 * crossings_;
+    const auto loosely = map_.follow(y, tolerance_, 1, false), closely = map_.follow(y, finer_ * tolerance_, 1, false);
+    return loosely.outcome.ending == Ending::event && closely.outcome.ending == Ending::event &&
+           distance(loosely.y, closely.y, size_) > seen;
+  }
+
   /// Twice to rounding: by a symmetry a motion may stay on a cycle that does not attract.
   bool recurs(int returns) const {
     constexpr double rounding = 1e-11;
@@ -273,7 +292,10 @@ class RecurrenceSearch {
 
   static constexpr int renewal = 8;
   static constexpr double small = 1e-6;  ///< in natural sizes: what counts as rest
-  static constexpr double tolerance_ = 1e-7;
+  static constexpr double finer_ = 1e-2;
+  double tolerance_ = 1e-7;  ///< of the steps
+  bool refine_ = false;      ///< the motion goes on by finer steps
+  int next_check_ = 24;      ///< crossing, at which the errors of steps are looked at again
   SectionMap& map_;
   const motion::StructureModel& model_;
   const StructureCycleOptions& options_;
@@ -283,7 +305,7 @@ class RecurrenceSearch {
   std::vector<double> steady_;
   double near_ = 1e-3, nearest_ = infinity, last_away_ = infinity;
   int next_try_ = 3, decays_ = 0;
-  long crossings_ = 0;
+  int crossings_ = 0;
   double mean_return_ = 0;
   bool settled_ = false, sticks_ = false, unbounded_ = false;
   std::vector<double> ranges_;  ///< of the widest coordinate, one for each renewal

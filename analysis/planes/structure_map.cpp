@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "analysis/cycles/irregular_motion.hpp"
 #include "analysis/cycles/lyapunov.hpp"
 #include "analysis/cycles/stepped_cycle.hpp"
 #include "analysis/cycles/stepped_exponent.hpp"
@@ -300,6 +301,20 @@ Map compute_stepped_map(const SteppedFamily& family, const MapOptions& options, 
                           return compute_stepped_point(family(x, y), options.tolerance, metrics, options.lyapunov);
                         },
                         {});
+}
+
+std::string motion_of(const MapPoint& point, const std::vector<PlaneMetric>& metrics, double mean_return) {
+  double period = NAN;
+  std::optional<cycles::Exponent> exponent;
+  for (const auto& metric : metrics) {
+    if (metric.name == returns) period = metric.value(point);
+    if (metric.name == lyapunov && std::isfinite(metric.value(point)))
+      exponent = {metric.value(point), metric.error(point)};
+  }
+  if (std::isfinite(period)) return fmt::format("period {}", std::lround(period));
+  if (point.regime == Regime::stable) return "steady";
+  if (!exponent) return "";
+  return exponent->value < 0 && !exponent->is_zero() ? "periodic" : cycles::regime_of(*exponent, mean_return);
 }
 
 }  // namespace rosin::analysis::planes

@@ -53,4 +53,8 @@ Map compute_structure_map(const StructureFamily&, const MapOptions&, const std::
 using SteppedFamily = std::function<motion::SteppedOscillator(double x, double y)>;
 Map compute_stepped_map(const SteppedFamily&, const MapOptions&, const std::vector<PlaneMetric>&, const MapHooks& = {});
 
+/// What the motion at a point is, as far as its "returns" and "lyapunov" tell: "steady", "period 3", "periodic",
+/// "quasi-periodic" or "chaotic"; else empty. \param mean_return  s, of the motion; infinite: not known
+std::string motion_of(const MapPoint&, const std::vector<PlaneMetric>&, double mean_return);
+
 }  // namespace rosin::analysis::planes

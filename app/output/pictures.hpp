@@ -13,6 +13,7 @@ struct Branches;
 struct Loci;
 }  // namespace rosin::analysis::branches
 namespace rosin::analysis::cycles {
+struct IrregularMotion;
 struct LyapunovSpectrum;
 struct StructureCycle;
 }  // namespace rosin::analysis::cycles
@@ -53,6 +54,8 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
                                        const analysis::motion::MotionSpectrum&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
                                        const analysis::cycles::StructureCycle&);
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
+                                       const analysis::cycles::IrregularMotion&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
                                        const analysis::steady::Scan&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,

@@ -1,6 +1,7 @@
 /// Pictures of a motion's spectrum and spectrogram.
 #include <algorithm>
 
+#include "analysis/cycles/irregular_motion.hpp"
 #include "analysis/motion/spectrum.hpp"
 #include "app/output/figure.hpp"
 #include "app/output/pictures.hpp"
@@ -71,6 +72,48 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
   over_time.tables = {std::move(parts)};
   for (auto& file : write(folder, over_time)) files.push_back(std::move(file));
   return files;
+}
+
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene& scene,
+                                       const analysis::cycles::IrregularMotion& irregular) {
+  auto figure = figure_of(scene, "cycle", "A motion without a period: in time, in the phase plane, and its spectrum");
+  figure.width = 940, figure.columns = 2, figure.height = 220;
+  const std::size_t coordinates = irregular.coordinate_max.size();
+  const auto range = [&](std::size_t c) {
+    const auto extent = Extent::of(irregular.columns[c]);
+    return extent.high - extent.low;
+  };
+  std::size_t widest = 0;
+  for (std::size_t c = 1; c < coordinates; ++c)
+    if (range(c) > range(widest)) widest = c;
+  const auto axis = [&](std::size_t c) {
+    return axis_of(irregular.names[c], irregular.units[c], Extent::of(irregular.columns[c]));
+  };
+  const std::size_t velocity = coordinates + widest;
+  const int place = int(widest) + 2, speed = int(velocity) + 2;
+  auto time = axis_of("time", "s", {0, irregular.time.back()});
+  time.from = 0, time.to = irregular.time.back();
+  figure.panels = {{.x = time, .y = axis(widest), .lines = {{.table = "cycle.csv", .y = {place}}}},
+                   {.x = axis(widest),
+                    .y = axis(velocity),
+                    .lines = {{.table = "cycle.csv", .x = {place}, .y = {speed}, .look = {.width = 0.6}}}},
+                   {.x = time, .y = axis(velocity), .lines = {{.table = "cycle.csv", .y = {speed}}}}};
+  if (irregular.density[widest].empty()) return write(folder, figure);
+  const auto [low, high] = span_of(irregular.density[widest], irregular.frequency.size());
+  const int before = int(std::ranges::count_if(irregular.density.begin(), irregular.density.begin() + long(widest),
+                                               [](const auto& density) { return !density.empty(); }));
+  auto frequency = axis_of("frequency", "Hz");
+  const auto& values = irregular.density[widest];
+  const auto last = std::ranges::find_if(values.rbegin(), values.rend(), [low](double value) { return value > low; });
+  frequency.from = 0, frequency.to = irregular.frequency[std::size_t(values.rend() - last) - 1];
+  auto density = axis_of(irregular.names[widest], irregular.units[widest]);
+  density.name = "spectral density", density.symbol = "S";
+  density.unit = irregular.density_units[widest];
+  density.decades = true, density.from = 0.5 * low, density.to = 2 * high;
+  figure.panels.push_back({.x = frequency,
+                           .y = density,
+                           .lines = {{.table = "cycle-spectrum.csv", .y = {.column = before + 2, .least = low}}}});
+  return write(folder, figure);
 }
 
 }  // namespace rosin::app::output

@@ -108,6 +108,14 @@ std::string of_cycle(const Result& result) {
   const auto& document = result.document;
   const auto& error = at(document, "error");
   const double period = number(document, "period");
+  if (const auto regime = word(document, "regime"); regime == "chaotic" || regime == "quasi-periodic") {
+    auto text = fmt::format("The motion{} is {}", operating_point(result), regime);
+    if (const double until = number(document, "known_until"); std::isfinite(until))
+      text += fmt::format(": from its start it is known for {}, and then by averages", amount(until, "s"));
+    if (const double stick = number(document, "stick_fraction"); std::isfinite(stick))
+      text += fmt::format("; it sticks for {} of the time", percent(stick));
+    return text + ".";
+  }
   if (!(period > 0))
     return fmt::format("No periodic motion was found{}: {}{}.", operating_point(result), word(document, "outcome"),
                        word(document, "outcome_detail").empty() ? "" : ", " + word(document, "outcome_detail"));

@@ -60,6 +60,11 @@ bool read_stepped(SceneReader& reader) {
 
 const SteppedOscillator* stepped_of(const Scene& scene) { return scene.task<Kept>().get(); }
 
+double drive_period_of(const Scene& scene) {
+  if (const auto* stepped = stepped_of(scene)) return stepped->drive_period;
+  return scene.structure ? common_period(scene.structure->structure) : 0;
+}
+
 void require_stepping_of_block(const Scene& scene) {
   if (scene.block && !scene.task<analysis::motion::RunOptions>().stepping)
     throw InputError(

@@ -18,6 +18,8 @@ inline const std::vector<std::string_view> verbs_by_steps = {"run",    "stabilit
 bool read_stepped(SceneReader&);
 /// The oscillator that was read so; null: another one is in the scene.
 const analysis::motion::SteppedOscillator* stepped_of(const Scene&);
+/// s, of the drive of a structure or of an oscillator that is followed by steps; 0: the drive is constant.
+double drive_period_of(const Scene&);
 
 /// [solver] scheme, step and spectral_radius: steps of a given length for a structure.
 void read_stepping(Table&, SceneReader&);

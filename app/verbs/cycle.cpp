@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "analysis/cycles/irregular_motion.hpp"
 #include "analysis/cycles/stepped_cycle.hpp"
 #include "app/output/pictures.hpp"
 #include "app/results/events.hpp"
@@ -20,6 +21,7 @@
 
 namespace rosin::app::verbs {
 
+using analysis::cycles::IrregularMotion;
 using analysis::cycles::StructureCycle;
 using nlohmann::ordered_json;
 
@@ -57,18 +59,12 @@ void read_cycle_table(scene::Table table, scene::SceneReader& reader) {
   table.finish();
 }
 
-/// s; 0: the drive is constant
-double drive_period_of(const scene::Scene& scene) {
-  if (const auto* stepped = scene::stepped_of(scene)) return stepped->drive_period;
-  return scene.structure ? common_period(scene.structure->structure) : 0;
-}
-
 /// Under a periodic drive also the answer at its frequency, which is a harmonic of a motion that takes several periods.
 std::vector<std::string> told_metrics(const scene::Scene& scene, const StructureCycle& cycle) {
   std::vector<std::string> known;
   for (const auto& [name, measure] : cycle.metrics) known.push_back(name);
   auto told = verbs::told_metrics(scene, known);
-  if (drive_period_of(scene) > 0)
+  if (scene::drive_period_of(scene) > 0)
     for (const char* of : {"_harmonic_", "_phase_"})
       for (const auto& name : known)
         if (name.ends_with(fmt::format("{}{}", of, cycle.returns))) told.push_back(name);
@@ -120,6 +116,7 @@ results::Result result_of(const Job& job, const StructureCycle& cycle) {
   section["state"] = ordered_json::object();
   for (const auto& state : scene.model.law->states())
     if (section.contains(state.name)) section["state"][state.name] = section[state.name];
+  if (cycle.returns > 0) result["regime"] = fmt::format("period {}", cycle.returns);
   if (cycle.exponent) result.add({"exponent", "1/s"}, cycle.exponent->value, cycle.exponent->error);
   result.cost = {{"steps", cycle.cost.steps}, {"evaluations", cycle.cost.evaluations}, {"cycles", cycle.cost.cycles}};
   for (const auto* left_out : {&cycle.multipliers_left_out, &cycle.metrics_left_out})
@@ -143,17 +140,29 @@ void read_cycle(scene::SceneReader& reader) {
   if (auto table = reader.root.table("cycle")) read_cycle_table(*table, reader);
 }
 
-/// The motion, and how it was looked for.
-StructureCycle find(Job& job, double drive) {
+/// The motion that was looked for, and what is known of one without a period.
+struct Found {
+  StructureCycle cycle;
+  IrregularMotion irregular;
+};
+
+Found find(Job& job, double drive) {
   auto& scene = job.scene();
   auto& asked = scene.task<analysis::cycles::CycleOptions>();
   asked.tolerance = job.request().tolerance.value_or(asked.tolerance);
   const auto* stepped = scene::stepped_of(scene);
+  const auto with_averages = [&](StructureCycle cycle, const analysis::motion::StructureModel& model) -> Found {
+    if (cycle.returns > 0 || !cycle.exponent) return {std::move(cycle), {}};
+    auto irregular = analysis::cycles::irregular_motion(model, *cycle.exponent, asked.tolerance, asked.stick_threshold);
+    return {std::move(cycle), std::move(irregular)};
+  };
   if (!scene.structure && !stepped) {
     job.explain_model();
     job.explain("the cycle that is reached from stick, tolerance {} of every metric, at most {} cycles of transient",
                 asked.tolerance, asked.max_cycles);
-    return analysis::cycles::find_measured_cycle(scene.model, asked);
+    analysis::motion::StructureModel from_stick{oscillators::one_slider(scene.model), {}};
+    from_stick.start.kind = analysis::motion::Start::Kind::rest;
+    return with_averages(analysis::cycles::find_measured_cycle(scene.model, asked), from_stick);
   }
   const analysis::cycles::StructureCycleOptions options{
       .tolerance = asked.tolerance, .stick_threshold = asked.stick_threshold, .exponent = true};
@@ -164,23 +173,78 @@ StructureCycle find(Job& job, double drive) {
                 scene.structure->structure.size(), scene.structure->structure.contacts.size());
   job.explain("{}", drive > 0 ? fmt::format("section: each period of the drive, {:.9g} s", drive)
                               : "section: the maxima of the coordinate that moves most");
-  if (stepped) return analysis::cycles::find_cycle(*stepped, options);
+  if (stepped) {
+    const auto cycle = analysis::cycles::find_cycle(*stepped, options);
+    if (cycle.returns > 0 || !cycle.exponent) return {cycle, {}};
+    return {cycle, analysis::cycles::irregular_motion(*stepped, cycle, asked.tolerance)};
+  }
   job.explain("then closed by Newton's method at two tolerances or more, with derivatives exact through stick");
-  return analysis::cycles::find_cycle(*scene.structure, options);
+  return with_averages(analysis::cycles::find_cycle(*scene.structure, options), *scene.structure);
+}
+
+/// The motion through its first returns, and its power spectral density.
+std::vector<results::Table> tables_of(const IrregularMotion& irregular) {
+  std::vector<results::Column> motion = {{{"time", "s"}, irregular.time}},
+                               spectrum = {{{"frequency", "Hz"}, irregular.frequency}};
+  for (std::size_t c = 0; c < irregular.names.size(); ++c) {
+    motion.push_back({{irregular.names[c], irregular.units[c]}, irregular.columns[c]});
+    const auto& density = irregular.density[c];
+    if (density.empty()) continue;
+    spectrum.push_back({{irregular.names[c], irregular.density_units[c]}, density});
+    for (const double value : density) spectrum.back().error.push_back(irregular.density_error * value);
+  }
+  return {results::rows("cycle", std::move(motion)), results::rows("cycle-spectrum", std::move(spectrum))};
+}
+
+/// Chaos and quasi-periodic motion are answers: until when the motion is known, and then its averages.
+Status finish_irregular(Job& job, const Found& found) {
+  const auto& irregular = found.irregular;
+  const auto& exponent = *found.cycle.exponent;
+  auto result = job.result(irregular.outcome);
+  result["regime"] = irregular.regime;
+  result["returns"] = 0;
+  result.add({"exponent", "1/s"}, exponent.value, exponent.error);
+  const bool chaotic = irregular.regime == "chaotic";
+  job.say("{}: {} {}, the largest Lyapunov exponent", irregular.regime,
+          chaotic ? "neighbouring motions diverge at" : "neighbouring motions stay apart, by",
+          justified(exponent.value, exponent.error, "1/s"));
+  if (std::isfinite(irregular.known_until)) {
+    result.add({"known_until", "s", "until then two passes differ by less than a hundredth of the range"},
+               irregular.known_until);
+    job.say("{:<22} {:.4g} s from the start, to a hundredth of its range", "known until", irregular.known_until);
+  }
+  result.add({"duration", "s", "duration of the averages"}, irregular.duration);
+  result.add({"mean_return", "s", "mean time between returns"}, irregular.duration / double(irregular.returns));
+  job.say("averages over {:.5g} s, {} returns:", irregular.duration, irregular.returns);
+  Reached reached;
+  for (const auto& [name, measure] : irregular.averages) {
+    result.add({name, measure.unit, measure.meaning}, measure.value, measure.error);
+    reached.add(measure.value, measure.error);
+    job.say("{:<22} {}", name, justified(measure.value, measure.error, measure.unit));
+  }
+  result["coordinate_max"] = irregular.coordinate_max;
+  result["coordinate_min"] = irregular.coordinate_min;
+  result.cost = {{"steps", found.cycle.cost.steps + irregular.steps}, {"cycles", found.cycle.cost.cycles}};
+  result.notes.push_back(found.cycle.outcome.detail);
+  result.tables = tables_of(irregular);
+  job.manifest().tolerance_reached = reached.value();
+  return job.finish(result, output::write_picture(job.folder(), job.scene(), irregular));
 }
 
 Status perform_cycle(Job& job) {
   auto& scene = job.scene();
   if (scene.string) return perform_string_cycle(job);
-  const double drive = drive_period_of(scene);
+  const double drive = scene::drive_period_of(scene);
   const auto begin = std::chrono::steady_clock::now();
-  const auto cycle = find(job, drive);
+  const auto found = find(job, drive);
+  const auto& cycle = found.cycle;
   auto& manifest = job.manifest();
   manifest.tolerance_asked = scene.task<analysis::cycles::CycleOptions>().tolerance;
   manifest.cost = {{"seconds", seconds_since(begin)},
                    {"steps", double(cycle.cost.steps)},
                    {"evaluations", double(cycle.cost.evaluations)},
                    {"cycles", double(cycle.cost.cycles)}};
+  if (!found.irregular.regime.empty()) return finish_irregular(job, found);
   const auto result = result_of(job, cycle);
   if (cycle.returns == 0) return job.finish(result);
 

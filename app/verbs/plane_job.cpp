@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "analysis/cycles/lyapunov.hpp"
 #include "analysis/planes/map.hpp"
@@ -23,7 +24,21 @@ namespace rosin::app::verbs {
 using analysis::planes::Regime;
 using nlohmann::ordered_json;
 
+std::string motion_of(const scene::Scene& scene, const analysis::planes::MapPoint& point,
+                      const std::vector<analysis::planes::PlaneMetric>& metrics) {
+  const double period = scene::drive_period_of(scene);
+  return analysis::planes::motion_of(point, metrics, period > 0 ? period : infinity);
+}
+
 namespace {
+
+/// What the motions of the plane are, point by point; empty where nothing that was asked tells.
+std::vector<std::string> motions_of(const scene::Scene& scene, const analysis::planes::Map& map) {
+  std::vector<std::string> motions;
+  for (const auto& point : map.points) motions.push_back(motion_of(scene, point, map.metrics));
+  const bool known = std::ranges::any_of(motions, [](const auto& text) { return !text.empty() && text != "steady"; });
+  return known ? motions : std::vector<std::string>();
+}
 
 results::Result result_of(const Job& job, const MapResult& of) {
   const auto& scene = job.scene();
@@ -32,6 +47,8 @@ results::Result result_of(const Job& job, const MapResult& of) {
   result["x"] = results::axis(map.x, scene);
   result["y"] = results::axis(map.y, scene);
   result["regime"] = results::grid_of_points(map, [](const auto& point) { return name(point.regime); });
+  if (const auto motions = motions_of(scene, map); !motions.empty())
+    result["motion"] = results::grid(map, [&](std::size_t i) { return motions[i]; });
   result["metrics"] = result["error"] = ordered_json::object();
   for (const auto& metric : map.metrics) {
     result["metrics"][metric.name] =
@@ -61,7 +78,7 @@ results::Result result_of(const Job& job, const MapResult& of) {
 
 results::Table table_of(const scene::Scene& scene, const analysis::planes::Map& map) {
   const auto& options = scene.task<analysis::planes::MapOptions>();
-  std::vector<std::string> taken{"regime", "origin", "vertex", "fold_vertex"};
+  std::vector<std::string> taken{"regime", "motion", "origin", "vertex", "fold_vertex"};
   for (const auto& metric : map.metrics) taken.push_back(metric.name), taken.push_back(metric.name + "_error");
   const auto names = results::axis_names({map.x.parameter, map.y.parameter}, taken);
   enum : std::size_t { y, x };
@@ -80,6 +97,8 @@ results::Table table_of(const scene::Scene& scene, const analysis::planes::Map& 
   };
   flags("regime", "what the slider settles on", &analysis::planes::MapPoint::regime, {0, 1, 2, 3},
         "stable cycle bistable failed");
+  if (auto motions = motions_of(scene, map); !motions.empty())
+    table.columns.push_back({{"motion", "", "what the motion is"}, std::move(motions), {}, {y, x}});
   for (const auto& metric : map.metrics) {
     std::vector<double> values, errors;
     for (const auto& point : map.points) values.push_back(metric.value(point)), errors.push_back(metric.error(point));
@@ -173,6 +192,13 @@ Status PlaneJob::write(const MapResult& result, const std::map<std::size_t, doub
           between, map.skipped);
   for (const Regime regime : {Regime::stable, Regime::cycle, Regime::bistable, Regime::failed})
     if (const auto count = regimes[static_cast<std::size_t>(regime)]) job.say("  {:<9} {}", name(regime), count);
+  std::map<std::string, int> motions;
+  for (const auto& motion : motions_of(scene, map)) ++motions[motion.empty() ? "not known" : motion];
+  if (!motions.empty()) {
+    std::vector<std::string> counted;
+    for (const auto& [motion, count] : motions) counted.push_back(fmt::format("{} {}", count, motion));
+    job.say("  motions   {}", fmt::join(counted, ", "));
+  }
   for (const auto& metric : map.metrics) {
     const auto& wanted = metric.name;
     const bool fraction = wanted.find("fraction") != std::string::npos;

@@ -259,6 +259,12 @@ results::Result result_of(const Job& job, const Sweep& sweep) {
     result["regime"] = both([](const auto& points) {
       return each(points, [](const auto& point) { return ordered_json(name(point.metrics.regime)); });
     });
+    const auto motion = [&](const SweepPoint& point) { return motion_of(scene, point.metrics, sweep.metrics); };
+    const auto tells = [&](const SweepPoint& point) { return !motion(point).empty() && motion(point) != "steady"; };
+    if (std::ranges::any_of(sweep.up, tells) || std::ranges::any_of(sweep.down, tells))
+      result["motion"] = both([&](const auto& points) {
+        return each(points, [&](const auto& point) { return ordered_json(motion(point)); });
+      });
   }
   auto& thresholds = result["thresholds"] = ordered_json::array();
   for (const auto& threshold : sweep.thresholds)
@@ -303,9 +309,7 @@ Status perform_sweep(Job& job) {
   job.explain("{} values of {}, {}", axis.values.size(), axis.parameter,
               options.anew ? "each from the scene's start" : "each from the motion at the value before");
   const auto* stepped = scene::stepped_of(scene);
-  const double drive_period = stepped           ? stepped->drive_period
-                              : scene.structure ? common_period(scene.structure->structure)
-                                                : 0;
+  const double drive_period = scene::drive_period_of(scene);
   if (!of_metrics)
     job.explain("{} returns of transient, then {} are recorded: {}", options.transient, options.keep,
                 options.record == Recorded::extrema ? "maxima and minima of the displacement"
