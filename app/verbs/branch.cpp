@@ -492,7 +492,7 @@ Status perform_branch(Job& job) {
         std::ranges::none_of(found.steady, &analysis::branches::SteadyPoint::stable)) {
       const bool exists = found.steady.empty() ||
                           std::ranges::any_of(found.steady, [](const auto& point) { return point.why.empty(); });
-      const auto unstable = exists ? std::string("steady sliding is unstable throughout, without a Hopf point")
+      const auto unstable = exists ? std::string("steady sliding is nowhere stable, without a Hopf point")
                                    : fmt::format("there is no steady sliding: {}", found.steady.front().why);
       if (const auto cycle = settled(starts.front()); cycle.outcome.complete()) {
         job.note(unstable + ": cycles from the motion that has settled");
