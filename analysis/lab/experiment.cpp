@@ -87,8 +87,8 @@ Result Experiment::perform(const Task& task) const {
 
 const std::vector<Experiment>& experiments() {
   static const std::vector<Experiment> list = {
-      inclined_plane(), impulse(),       velocity_step(),      slide_hold_slide(),
-      spring_pulled(),  reciprocation(), frequency_response(), inverse(),
+      inclined_plane(), impulse(),   velocity_step(),      slide_hold_slide(), spring_pulled(),
+      reciprocation(),  ring_down(), frequency_response(), inverse(),
   };
   return list;
 }

@@ -131,6 +131,7 @@ Experiment velocity_step();
 Experiment slide_hold_slide();
 Experiment spring_pulled();
 Experiment reciprocation();
+Experiment ring_down();
 Experiment frequency_response();
 Experiment inverse();
 

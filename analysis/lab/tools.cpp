@@ -114,7 +114,8 @@ void record_run(Result& result, const Task& task, const Motion& motion, const mo
   record();
   if (result.record.time.size() < 2) throw NothingRecorded{std::move(result)};
   const bool all = result.record.time.size() == times.size();
-  const auto closer = all && task.sensor.ideal() ? closer_times(result.record, extremes) : std::vector<double>();
+  const bool seeks = all && task.sensor.ideal() && !extremes.empty();
+  const auto closer = seeks ? closer_times(result.record, extremes) : std::vector<double>();
   if (!closer.empty()) {
     options.times.insert(options.times.end(), closer.begin(), closer.end());
     std::ranges::sort(options.times);

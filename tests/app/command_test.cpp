@@ -433,7 +433,7 @@ TEST_CASE("the laboratory answers with a record, readings and a picture, and the
 TEST_CASE("every example of the laboratory runs; wrong ones are refused with status 2 and what to try", "[lab]") {
   const Folder folder;
   for (const std::string name : {"inclined-plane", "impulse", "velocity-step", "slide-hold-slide", "spring-pulled",
-                                 "reciprocation", "frequency-response", "inverse"}) {
+                                 "reciprocation", "ring-down", "frequency-response", "inverse"}) {
     const auto answer = run_rosin(folder, {"lab", name, example("lab-" + name)});
     INFO(name << ": " << answer.error);
     CHECK(answer.status == 0);

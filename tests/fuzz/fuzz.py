@@ -35,7 +35,7 @@ SMALL = {"map.x.points": (2, 5), "map.y.points": (2, 4), "run.samples": (1, 50),
          "curve.points": (2, 40), "lab.samples": (64, 200), "sweep.points": (2, 5), "basin.x.points": (2, 4),
          "basin.y.points": (2, 4)}  # where a scene has the table, so that runs stay short
 EXPERIMENTS = ["inclined-plane", "impulse", "velocity-step", "slide-hold-slide", "spring-pulled", "reciprocation",
-               "frequency-response", "inverse"]
+               "ring-down", "frequency-response", "inverse"]
 VERBS = ["curve", "stability", "run", "cycle", "map", "sweep", "branch", "basin", "lyapunov", "compare", "lab", "frf",
          "fit", "study", "laws", "plot"]
 OF_OTHERS = ["merge", "report", "export", "import"]  # what the command or another program has written
