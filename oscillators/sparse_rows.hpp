@@ -40,6 +40,7 @@ class SparseRows {
   };
   Row operator[](int i) const { return {entries_.data() + begin_[i], entries_.data() + begin_[i + 1]}; }
   int rows() const { return int(begin_.size()) - 1; }
+  bool empty() const { return entries_.empty(); }
   template <class Vector>
   Eigen::VectorXd operator*(const Vector& x) const {
     Eigen::VectorXd product(rows());

@@ -474,7 +474,9 @@ Eigen::VectorXd StructureSystem::forces_without_stick(double t, const double* y,
 /// The same without those of contacts under regions.
 Eigen::VectorXd StructureSystem::forces_of_others(double t, const double* y, double* f) const {
   const Eigen::Map<const VectorXd> q(y, n_);
-  VectorXd R = -(K_ * q) - C_ * velocity(t, y);
+  const VectorXd v = C_.empty() ? VectorXd() : velocity(t, y);
+  VectorXd R(n_);
+  for (int i = 0; i < n_; ++i) R[i] = -K_[i].times(q) - C_[i].times(v);
   for (std::size_t i = 0; i < structure_.force.size(); ++i) R[i] += structure_.force[i].value(t);
   for (int s = 0; s < stops(); ++s)
     if (stop_mode_[s] == StopMode::pushes)
@@ -540,13 +542,14 @@ void StructureSystem::mass(double t, double* m) const {
 
 void StructureSystem::evaluate(double t, const double* y, double* f) const {
   const VectorXd R = forces_without_stick(t, y, f);
-  Eigen::Map<VectorXd>(f, n_) = velocity(t, y);
   Eigen::Map<VectorXd> rate(f + n_, n_);
   if (is_diagonal_) {
+    for (int i = 0; i < n_; ++i) f[i] = velocity_of(i, t, y);
     rate = along_.cwiseProduct(R);
     for (const int j : switching_)
       if (sticks(j)) rate[at_[j].row] = 0;
   } else {
+    Eigen::Map<VectorXd>(f, n_) = velocity(t, y);
     rate.noalias() = acceleration_ * R;
   }
   for (int j = 0; j < friction_contacts(); ++j)
