@@ -212,6 +212,8 @@ StringLanes::StringLanes(const BowedString& string, const std::shared_ptr<const 
     waves_.push_back(
         make_waves(string, torsion->impedance, torsion->speed_ratio, torsion->quality, torsion->rounding, 1, 0));
   const double there = 0.5 * string.bow_positions().front() * string.period() * string.sample_rate;
+  const double to_nut = 0.5 * (1 - string.bow_positions().back()) * string.period() * string.sample_rate;
+  to_nut_ = Taps(std::max(to_nut, shortest(string.delays)), string.delays);
   if (string.body.empty()) {
     to_bridge_ = Taps(std::max(there, shortest(string.delays)), string.delays);
   } else {
@@ -339,19 +341,8 @@ ROSIN_INLINE Pack StringLanes::reflect_at_bridge(int p) {
   return waves.at_bridge(back, p);
 }
 
-void StringLanes::step() {
+void StringLanes::arrive() {
   const int contacts = int(bows_.size());
-  const double dt = string_.step();
-  for (int lane = 0; lane < lane_count; ++lane) {
-    if (!models_[lane]) continue;
-    const double t = double(n_ - begun_[lane]) * dt;
-    const auto& model = *models_[lane];
-    bow_speed_.set(lane, model.speed.value(t));
-    if (model.load.constant()) continue;
-    loads_[lane] = model.load.value(t);
-    for (auto& bow : bows_) bow.set_load(lane, loads_[lane] / contacts);
-  }
-
   run_on_lanes([&] {
     for (std::size_t k = 0; k < waves_.size(); ++k) {
       auto& waves = waves_[k];
@@ -368,6 +359,51 @@ void StringLanes::step() {
       }
     }
   });
+}
+
+double StringLanes::nut_force(int lane) const {
+  const auto& waves = waves_.front();
+  double pressing = 0;
+  for (std::size_t i = 0; i < to_nut_.weight.size(); ++i)
+    pressing +=
+        to_nut_.weight[i] * waves.nut.past[std::size_t(n_ - 1 - to_nut_.first - long(i)) & waves.nut.mask][lane];
+  return 2 * waves.impedance * pressing;
+}
+
+StringLanes::UnderBow StringLanes::step_between(double leftward, double rightward) {
+  arrive();
+  auto& transverse = waves_.front();
+  const double Z = transverse.impedance, from_bridge = transverse.left_in[0][0], from_nut = transverse.right_in[0][0];
+  const double to_left = 2 * Z * (leftward - from_nut), to_right = 2 * Z * (rightward - from_bridge);
+  UnderBow bow{0.5 * (leftward + from_bridge + rightward + from_nut), 0.5 * (to_left + to_right),
+               leftward + from_bridge - rightward - from_nut, to_left - to_right};
+  transverse.bridge.past[std::size_t(n_) & transverse.bridge.mask].set(0, leftward);
+  transverse.nut.past[std::size_t(n_) & transverse.nut.mask].set(0, rightward);
+  for (std::size_t k = 1; k < waves_.size(); ++k) {
+    auto& waves = waves_[k];
+    const double push = 0.5 * bow.friction / waves.impedance, left = waves.left_in[0][0], right = waves.right_in[0][0];
+    bow.velocity += left + right + push;
+    waves.bridge.past[std::size_t(n_) & waves.bridge.mask].set(0, right + push);
+    waves.nut.past[std::size_t(n_) & waves.nut.mask].set(0, left + push);
+  }
+  ++n_;
+  return bow;
+}
+
+void StringLanes::step() {
+  const int contacts = int(bows_.size());
+  const double dt = string_.step();
+  for (int lane = 0; lane < lane_count; ++lane) {
+    if (!models_[lane]) continue;
+    const double t = double(n_ - begun_[lane]) * dt;
+    const auto& model = *models_[lane];
+    bow_speed_.set(lane, model.speed.value(t));
+    if (model.load.constant()) continue;
+    loads_[lane] = model.load.value(t);
+    for (auto& bow : bows_) bow.set_load(lane, loads_[lane] / contacts);
+  }
+
+  arrive();
 
   const double Z = string_.surface_impedance(), k = string_.bow.hair_stiffness;
   const bool rigid = k == BowedString::none;

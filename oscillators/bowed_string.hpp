@@ -118,6 +118,22 @@ class StringLanes {
   const BowContacts& bow(int m) const { return bows_[m]; }
   double load(int lane) const { return loads_[lane]; }         ///< of the whole bow, N
   const Lanes& bridge_force() const { return bridge_force_; }  ///< N
+  /// N, of the last sample; computed where it is asked for.
+  double nut_force(int lane) const;
+  /// On the way from the bow, s, waves of the last sample will press on the bridge and on the nut.
+  double way_to_bridge() const { return to_bridge_.delay * sample_step(); }
+  double way_to_nut() const { return to_nut_.delay * sample_step(); }
+
+  /// What happens under a bow of one contact, by the waves of both sides.
+  struct UnderBow {
+    double velocity, friction;           ///< of the surface of the string, m/s; N: means of both sides
+    double velocity_apart, force_apart;  ///< by which the two sides differ
+  };
+  /// The next sample of a string in lane 0 whose transverse waves away from the bow are known in place of its friction:
+  /// that makes what leaves to one side of what comes from the other (Schumacher, Garoff & Woodhouse 2005). Torsional
+  /// waves follow from the friction.
+  UnderBow step_between(double leftward, double rightward);
+
   /// Place of the string as the delays have it: frequency of its length (Hz), and β.
   double realised_frequency() const;
   double realised_bow_position() const;
@@ -210,6 +226,8 @@ class StringLanes {
   /// \throws InputError where the function gives more than it takes, or is too quick or too long for the sample rate
   static Taps measured_end(const BowedString&, const BowedString::Reflection&, const char* name, double shift);
   void measured_ends(const BowedString&, Waves&);
+  /// What comes to each contact from both sides.
+  void arrive();
   /// What comes back from the bridge, and its force.
   ROSIN_INLINE Pack reflect_at_bridge(int p);
   void start_helmholtz(int lane, const BowedStringModel&);
@@ -227,7 +245,7 @@ class StringLanes {
   std::optional<BowedStringModel> models_[lane_count];
   long begun_[lane_count] = {};
   double loads_[lane_count] = {};
-  Taps to_bridge_;  ///< of the waves that press on the bridge now
+  Taps to_bridge_, to_nut_;  ///< of the waves that press on the bridge and on the nut now
 };
 
 }  // namespace rosin::oscillators

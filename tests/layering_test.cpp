@@ -43,10 +43,11 @@ const std::vector<Room> rooms = {
     {"analysis/lanes", {"analysis/cycles", "analysis/motion", "analysis/steady"}},
     {"analysis/planes", {"analysis/lanes", "analysis/cycles", "analysis/motion", "analysis/steady"}},
     {"analysis/response", {"analysis/motion", "analysis/steady"}},
-    {"analysis/lab", {"analysis/response", "analysis/cycles", "analysis/motion", "analysis/steady"}},
+    {"analysis/strings", {"analysis/response", "analysis/cycles", "analysis/motion", "analysis/steady"}},
+    {"analysis/lab",
+     {"analysis/strings", "analysis/response", "analysis/cycles", "analysis/motion", "analysis/steady"}},
     {"analysis/inference",
      {"analysis/lab", "analysis/planes", "analysis/response", "analysis/cycles", "analysis/motion", "analysis/steady"}},
-    {"analysis/strings", {"analysis/response", "analysis/cycles", "analysis/motion", "analysis/steady"}},
     {"analysis/studies", {"analysis/lanes", "analysis/cycles", "analysis/motion", "analysis/steady"}},
 };
 

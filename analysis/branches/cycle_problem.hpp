@@ -57,6 +57,8 @@ class CycleProblem final : public Problem {
   std::vector<double> start(const Eigen::VectorXd& x) const { return full(x, 0); }
   const std::vector<int>& moving() const { return moving_; }
   Oscillator& oscillator(double p);
+  /// Where the family has changed beside its parameter.
+  void forget_oscillator() { at_ = NAN; }
   long steps = 0;
 
  private:

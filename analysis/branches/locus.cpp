@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "analysis/branches/cycle_problem.hpp"
+#include "analysis/branches/fold_problem.hpp"
 #include "analysis/steady/verdict.hpp"
 #include "core/bracket.hpp"
 #include "core/linear_solve.hpp"
@@ -324,7 +325,9 @@ constexpr Resonance resonances[] = {
 class SpecialCurve {
  public:
   SpecialCurve(const Family2& family, const SpecialPoint& start, double q, const LocusOptions& options)
-      : scales_{options.p, options.q},
+      : family_(family),
+        scales_{options.p, options.q},
+        tolerance_(options.tolerance),
         near_{NearSpecial(family, options.p, options.tolerance),
               NearSpecial([family](double at_q, double at_p) { return family(at_p, at_q); }, options.q,
                           options.tolerance)},
@@ -338,8 +341,11 @@ class SpecialCurve {
   std::string follow(int sign, std::vector<LocusPoint>& points, std::vector<LocusEvent>& events) {
     SpecialPoint at = start_;
     Place place = start_place_, tangent = {0, double(sign)};
-    bool knows_tangent = false, has_left = false, alike = false;
+    std::optional<Place> departure;  // its direction
+    bool has_left = false, alike = false;
     constexpr double least = 1.0 / 64;
+    constexpr int most_cusps = 8;
+    std::vector<LongStep> long_steps{{at, place, tangent, points.size()}};
     for (double step = longest_;;) {
       end_if_stopped();
       const int along = std::abs(tangent[1]) >= std::abs(tangent[0]) ? 1 : 0, across = 1 - along;
@@ -351,35 +357,37 @@ class SpecialCurve {
       // Near a turn the other side of the curve is near as well.
       const double reached = found ? scales_[across].coordinate(found->p) : NAN;
       constexpr double most = 2;  // steps
-      if (!found || (knows_tangent && std::abs(reached - expected) > most * std::abs(next - place[along]))) {
+      if (!found || (departure && std::abs(reached - expected) > most * std::abs(next - place[along]))) {
         step *= 0.5;
-        if (step < least * longest_ && !alike) {
+        if (step >= least * longest_) continue;
+        if (start_.test != "fold" && !alike) {
           alike = true, step = longest_;
           continue;
         }
-        if (step < least * longest_)
-          return expected < 0 || expected > 1
-                     ? ""
-                     : "no such cycle follows, however near: a cusp, or a point of another kind";
+        if (expected < 0 || expected > 1) return {};
+        const bool may_be_cusp = start_.test == "fold" && cusps_ < most_cusps;
+        const auto passed = may_be_cusp ? pass_cusp(long_steps, points, events) : std::nullopt;
+        if (!passed) return "no such cycle follows, however near: a point of another kind";
+        ++cusps_;
+        at = passed->at, place = passed->place, tangent = passed->tangent;
+        long_steps = {{at, place, tangent, points.size()}};
+        step = longest_;
         continue;
       }
       alike = false;
       const Place before = place;
       place[along] = next, place[across] = reached;
       tangent = {place[0] - before[0], place[1] - before[1]};
-      knows_tangent = true;
-      // Where it comes back to the value that it began at, it passes a special point of the branches there.
-      const double level = start_place_[1];
-      if ((before[1] - level) * (place[1] - level) < 0 && std::abs(place[1] - level) > on_level) {
-        const double part = (level - before[1]) / tangent[1];
-        if (const auto passed = near_[0].find(*found, scales_[0].value(before[0] + part * tangent[0]), q_))
-          points.push_back({passed->p, q_, passed->error, 0, passed->view.metrics});
-      }
+      if (!departure) departure = tangent;
+      pass_level(*found, before, place, points);
       if (start_.kind == "torus") find_resonances(at, before, *found, place, along, events);
       at = *found;
       points.push_back(point(at, place, along));
+      if (step == longest_) long_steps.push_back({at, place, tangent, points.size()});
       has_left = has_left || distance(place, start_place_) > 2 * longest_;
-      if (has_left && distance(place, start_place_) < longest_) {
+      // Behind a cusp the curve comes by in the other direction.
+      const bool onwards = tangent[0] * (*departure)[0] + tangent[1] * (*departure)[1] > 0;
+      if (has_left && onwards && distance(place, start_place_) < longest_) {
         points.push_back(start());
         closed_ = true;
         return "it closes on itself";
@@ -390,6 +398,99 @@ class SpecialCurve {
   bool closed() const { return closed_; }
 
  private:
+  using Place = std::array<double, 2>;  ///< coordinates of p and q
+  /// Where a curve has been, and how many points it had until then.
+  struct LongStep {
+    SpecialPoint at;
+    Place place, tangent;
+    std::size_t points;
+  };
+  /// Where the curve comes back to the value of q that it began at, it passes a special point of the branches there.
+  void pass_level(const SpecialPoint& at, const Place& before, const Place& place,
+                  std::vector<LocusPoint>& points) const {
+    const double level = start_place_[1];
+    if (!((before[1] - level) * (place[1] - level) < 0) || std::abs(place[1] - level) <= on_level) return;
+    const double part = (level - before[1]) / (place[1] - before[1]);
+    if (const auto passed = near_[0].find(at, scales_[0].value(before[0] + part * (place[0] - before[0])), q_))
+      points.push_back({passed->p, q_, passed->error, 0, passed->view.metrics});
+  }
+
+  /// Near a cusp both folds are near, and one may have been taken for the other: from two long steps before, the curve
+  /// is followed by its length in the cycle and both parameters, in which it goes on through the cusp. \returns where
+  /// it is well behind it; empty: there is no cusp
+  std::optional<LongStep> pass_cusp(const std::vector<LongStep>& long_steps, std::vector<LocusPoint>& points,
+                                    std::vector<LocusEvent>& events) const {
+    const LongStep& from = long_steps[long_steps.size() - std::min<std::size_t>(2, long_steps.size())];
+    FoldProblem problem(family_, scales_[0], scales_[1], from.at.view.turns);
+    const auto x = problem.begin(from.at.view.start, from.at.view.metrics.at("period"), from.at.p,
+                                 scales_[1].value(from.place[1]), tolerance_);
+    if (!x) return std::nullopt;
+    ContinuationOptions how;
+    how.parameter = scales_[0], how.tolerance = tolerance_;
+    how.first_step = 0.25 * longest_, how.longest_step = std::min(0.05, longest_);
+    constexpr int most = 200;
+    how.most_points = most;
+    Continuation continuation(problem, how);
+    const double length = std::hypot(from.tangent[0], from.tangent[1]);
+    Direction direction{VectorXd::Zero(x->size()), from.tangent[0] / length};
+    direction.x[0] = from.tangent[1] / length;
+    auto start = continuation.branch_off(*x, from.at.p, direction, 0);
+    if (!start) return std::nullopt;
+    if (problem.refer_to(start->x, start->p, tolerance_)) return std::nullopt;
+    const auto place_of = [&](const BranchPoint& point) { return Place{scales_[0].coordinate(point.p), point.x[0]}; };
+    const auto side = [](const BranchPoint& point) {
+      const auto& test = point.view.tests.front();
+      return !test.has_sign() ? 0 : test.value > 0 ? 1 : -1;
+    };
+    const int before = side(*start);
+    if (before == 0) return std::nullopt;
+    std::optional<Place> cusp;
+    bool is_inside = true;
+    continuation.arrived = [&](const BranchPoint& point) {
+      is_inside = point.x[0] >= 0 && point.x[0] <= 1;
+      if (!cusp && side(point) == -before) cusp = place_of(point);
+      return is_inside && !(cusp && distance(*cusp, place_of(point)) > longest_);
+    };
+    auto branch = continuation.follow(*start, direction);
+    if (branch.outcome.ending == Ending::interrupted) throw Stopped{};
+    if (!is_inside) branch.points.pop_back();
+    if (branch.special.empty() || branch.points.size() < branch.special.front().after + 3) return std::nullopt;
+    points.resize(from.points);
+    for (std::size_t i = 1; i < branch.points.size(); ++i) {
+      const auto &last = branch.points[i - 1], &next = branch.points[i];
+      pass_level(special_at(next), place_of(last), place_of(next), points);
+      points.push_back(point_at(next));
+    }
+    const auto &last = branch.points.back(), &second = branch.points[branch.points.size() - 2];
+    const Place place = place_of(last), behind = place_of(second);
+    events.push_back(cusp_at(branch.special.front(), branch));
+    return LongStep{special_at(last), place, {place[0] - behind[0], place[1] - behind[1]}, 0};
+  }
+  SpecialPoint special_at(const BranchPoint& point) const {
+    return {start_.kind, point.p, point.error, point.x, point.view, 0, start_.test};
+  }
+  LocusPoint point_at(const BranchPoint& point) const {
+    return {point.p, scales_[1].value(point.x[0]), point.error, point.x_error * std::abs(scales_[1].slope(point.x[0])),
+            point.view.metrics};
+  }
+  /// With what the test's error leaves open along the curve, by the farther of the two points that it lies between: at
+  /// the cusp itself both parameters stand still.
+  LocusEvent cusp_at(const SpecialPoint& special, const Branch& branch) const {
+    const auto &before = branch.points[special.after], &after = branch.points[special.after + 1];
+    const auto& test = special.view.tests.front();
+    const double part = (test.error + std::abs(test.value)) /
+                        std::abs(after.view.tests.front().value - before.view.tests.front().value);
+    const auto farther = [&](double here, double a, double b) {
+      return part * std::max(std::abs(a - here), std::abs(b - here));
+    };
+    const auto q = [&](const VectorXd& x) { return scales_[1].value(x[0]); };
+    return {FoldProblem::cusp,
+            {special.p, q(special.x), special.error + farther(special.p, before.p, after.p),
+             std::max(before.x_error, after.x_error) * std::abs(scales_[1].slope(special.x[0])) +
+                 farther(q(special.x), q(before.x), q(after.x)),
+             special.view.metrics}};
+  }
+
   /// Between two points of a curve of tori: where the angle of its multipliers is one of a strong resonance.
   void find_resonances(const SpecialPoint& a, const std::array<double, 2>& from, const SpecialPoint& b,
                        const std::array<double, 2>& to, int along, std::vector<LocusEvent>& events) const {
@@ -429,7 +530,6 @@ class SpecialCurve {
     std::ranges::sort(found, {}, &std::pair<double, LocusEvent>::first);
     for (auto& event : found) events.push_back(std::move(event.second));
   }
-  using Place = std::array<double, 2>;  ///< coordinates of p and q
   static double distance(const Place& a, const Place& b) { return std::hypot(a[0] - b[0], a[1] - b[1]); }
   /// Whole steps of the range, so that curves have their points at the same values.
   static double next_step(double from, double towards, double step) {
@@ -442,13 +542,16 @@ class SpecialCurve {
                       : LocusPoint{given, special.p, 0, special.error, special.view.metrics};
   }
 
+  const Family2& family_;
   ParameterScale scales_[2];
+  double tolerance_;
   NearSpecial near_[2];  ///< along p at a value of q, and along q at a value of p
   SpecialPoint start_;
   double q_;
   Place start_place_;
   double longest_;
   bool closed_ = false;
+  int cusps_ = 0;  ///< passed
 };
 
 /// Whether a curve passes a special point of the branches at q: where it comes back to q, it has a point.

@@ -36,7 +36,8 @@ struct LocusPoint {
 struct LocusEvent {
   /// "bautin": the first Lyapunov coefficient is 0. "zero-hopf": beside the pair a real eigenvalue is 0.
   /// "bogdanov-takens": the frequency is 0, and the curve ends. "resonance-1:1", …, "resonance-1:4": the pair of
-  /// multipliers of a torus has a 1st, …, 4th power 1.
+  /// multipliers of a torus has a 1st, …, 4th power 1. "cusp": on a curve of folds the branch has no curvature; two
+  /// folds meet there, and the curve goes on as that of the other.
   std::string kind;
   LocusPoint at;
 };
@@ -54,7 +55,8 @@ Locus hopf_locus(const Family2&, const steady::Crossing&, double q, const LocusO
 
 /// The special points of cycles of one kind that go on from one at q, as far as both parameters stay in their ranges,
 /// round turning points: at each value of that parameter along which the curve runs, the branch over the other is cut
-/// across near the last of them, and followed a little in both directions. A curve ends at a cusp.
+/// across near the last of them, and followed a little in both directions.
+/// Through a cusp, where two folds meet, it is followed by its length.
 Locus cycle_locus(const Family2&, const SpecialPoint&, double q, const LocusOptions&);
 
 struct Loci {

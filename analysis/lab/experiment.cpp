@@ -72,6 +72,12 @@ const Reading& Result::reading(std::string_view name) const {
 }
 
 void Experiment::require_served(const Task& task) const {
+  if (task.string && !takes_string)
+    throw InputError(fmt::format(
+        "'{}' is no experiment on a string, which vibrates under the bow at all speeds, so that no friction "
+        "of steady sliding is there to be read; 'lab inverse' has its friction from the forces at its "
+        "ends, and 'sweep' its motions over speed or load of the bow",
+        name));
   if (task.structure && !only_slider.empty())
     throw InputError(fmt::format("'{}' is an experiment on a slider: {}", name, only_slider));
 }
@@ -110,6 +116,7 @@ Task task_for(const Experiment& experiment, std::shared_ptr<const FrictionLaw> l
 }
 
 std::vector<std::string> column_names(const Experiment& experiment, const Task& task) {
+  if (task.string) return {"bridge_force", "nut_force"};
   auto names = machine_of(task)->column_names();
   names.insert(names.end(), experiment.extra_columns.begin(), experiment.extra_columns.end());
   return names;

@@ -10,6 +10,7 @@
 
 #include "analysis/lab/sensor.hpp"
 #include "analysis/motion/run.hpp"
+#include "oscillators/bowed_string.hpp"
 #include "oscillators/structure.hpp"
 
 namespace rosin::analysis::lab {
@@ -93,9 +94,15 @@ struct NothingRecorded {
 struct Task {
   Model model;  ///< law, slider and drive; the protocol replaces what it prescribes
   std::optional<oscillators::Structure> structure = std::nullopt;  ///< in place of the slider; its speed is the drive's
+  std::optional<oscillators::BowedStringModel> string = std::nullopt;  ///< in place of the slider
   Settings settings;
   Sensor sensor = {};
   std::optional<Signal::Table> motion = std::nullopt;  ///< a recorded motion, for experiments that take one
+  /// Recorded forces of a string on its bridge and nut, N, at the same times.
+  struct EndForces {
+    Signal::Table bridge, nut;
+  };
+  std::optional<EndForces> end_forces = std::nullopt;
   double tolerance = 1e-8;
 };
 
@@ -107,6 +114,7 @@ struct Experiment {
   std::vector<std::string> extra_columns;  ///< of the record, beside those of a run
   std::vector<std::string> prescribed;     ///< paths of the model that the protocol sets, such as "drive.speed"
   bool takes_motion = false;
+  bool takes_string = false;
   std::string_view only_slider = {};  ///< why it is not done on other machines; empty: it is
   Result (*protocol)(const Task&);    ///< may throw NothingRecorded
 

@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "analysis/cycles/cycle.hpp"
+#include "analysis/lab/string_inverse.hpp"
 #include "analysis/lab/tools.hpp"
 
 namespace rosin::analysis::lab {
@@ -191,6 +192,7 @@ void simulate(Result& result, const Task& task) {
 }
 
 Result perform_inverse(const Task& task) {
+  if (task.string) return inverse_of_string(task);
   Result result;
   const Model& model = task.model;
   const auto& slider = model.slider;
@@ -295,21 +297,24 @@ Experiment inverse() {
   return {
       .name = "inverse",
       .title = "Force reconstruction from motion",
-      .settings = {{.quantity = {"duration", "s", {1e-12, 1e12}, "length of the simulated motion; else four periods"}},
-                   {.quantity = {"skip", "s", {0, 1e12}, "time before the record begins; else four periods"}},
-                   {.quantity = {"samples", "1", {64, 1e7}, "samples of the simulated motion"},
-                    .value = 8000.0,
-                    .whole = true},
-                   {.quantity = {"noise",
-                                 "m",
-                                 {0, 1e3},
-                                 "rms noise of the displacement if it is known to be larger than "
-                                 "what the record shows"}}},
+      .settings =
+          {{.quantity = {"duration",
+                         "s",
+                         {1e-12, 1e12},
+                         "length of the simulated motion; else four periods, of a string what is forgotten and ten"}},
+           {.quantity = {"skip", "s", {0, 1e12}, "time before the record begins; else four periods, of a string 0"}},
+           {.quantity = {"samples", "1", {64, 1e7}, "samples of the simulated motion"}, .value = 8000.0, .whole = true},
+           {.quantity = {"noise",
+                         "m",
+                         {0, 1e3},
+                         "rms noise of the displacement if it is known to be larger than "
+                         "what the record shows"}}},
       .slider = {.mass = 1, .stiffness = 100, .damping = 0},
       .drive = {.speed = 1e-3, .normal_load = 1.0, .force = 0.0},
       .extra_columns = {},
       .prescribed = {},
       .takes_motion = true,
+      .takes_string = true,
       .only_slider =
           "friction follows from the motion of one mass whose spring and damper are known; of a structure 'rosin fit' "
           "takes the recorded motion, type = \"motion\"",

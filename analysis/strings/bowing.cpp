@@ -311,6 +311,7 @@ StringRecord record(const BowedStringModel& model, const BowingOptions& options)
       record.bow_speed.push_back(strings.bow_speed()[0]);
       record.normal_load.push_back(strings.load(0));
       record.bridge_force.push_back(strings.bridge_force()[0]);
+      record.nut_force.push_back(strings.nut_force(0));
       double velocity = 0, friction = 0, slip_rate = 0, stuck = 0;
       for (int m = 0; m < contacts; ++m) {
         velocity += strings.velocity(m)[0] / contacts;

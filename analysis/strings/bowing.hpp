@@ -52,7 +52,7 @@ BowedStringModel finer(BowedStringModel, double factor = 2);
 
 /// Samples of one string at equal intervals, all where there are up to five million.
 struct StringRecord {
-  std::vector<double> time, bow_speed, velocity, friction, slip_rate, normal_load, bridge_force, stick;
+  std::vector<double> time, bow_speed, velocity, friction, slip_rate, normal_load, bridge_force, nut_force, stick;
   std::vector<std::vector<double>> states;  ///< of the law, one list each, of the first contact
   std::vector<std::vector<double>> contact_velocity, contact_friction;  ///< where the bow has several
   std::vector<double> sound;                                            ///< force on the bridge at every sample, N

@@ -248,17 +248,14 @@ OscillatorType string_type() {
       "the state of a string is all its waves, on their way between bridge and nut, and no list of numbers that a "
       "solver could ";
   return {"string",
-          {"run", "stability", "cycle", "sweep", "map", "compare", "frf", "lyapunov"},
+          {"run", "stability", "cycle", "sweep", "map", "compare", "frf", "lyapunov", "lab"},
           read_string_keys,
           read_drive_of_string,
           {{"branch", fmt::format("{}follow; 'sweep' computes its motions along a parameter", memory)},
            {"basin", fmt::format("{}start from anywhere; [cycle] start chooses rest or Helmholtz motion", memory)},
            {"fit",
             "a motion of a string is that of its waves at a sample rate, whose slopes by numbers are not known to be "
-            "smooth; 'compare' lays strings beside each other"},
-           {"lab",
-            "a string vibrates under the bow at all speeds, so that no friction of steady sliding is there to be read; "
-            "'sweep' computes its motions over speed or load of the bow"}}};
+            "smooth; 'compare' lays strings beside each other"}}};
 }
 
 }  // namespace rosin::app::scene

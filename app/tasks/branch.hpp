@@ -36,7 +36,8 @@ inline std::string label_of(const std::string& kind) {
   constexpr std::pair<std::string_view, const char*> labels[] = {
       {"hopf", "H"},           {"fold", "LP"},          {"period-doubling", "PD"}, {"torus", "NS"},
       {"grazing", "GR"},       {"bautin", "GH"},        {"bogdanov-takens", "BT"}, {"zero-hopf", "ZH"},
-      {"resonance-1:1", "R1"}, {"resonance-1:2", "R2"}, {"resonance-1:3", "R3"},   {"resonance-1:4", "R4"}};
+      {"resonance-1:1", "R1"}, {"resonance-1:2", "R2"}, {"resonance-1:3", "R3"},   {"resonance-1:4", "R4"},
+      {"cusp", "CP"}};
   for (const auto& [name, label] : labels)
     if (name == kind) return label;
   return "";

@@ -11,6 +11,7 @@
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
 #include "app/scene/signal.hpp"
+#include "app/tasks/bowing.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/stopping.hpp"
 #include "app/verbs/verb.hpp"
@@ -72,12 +73,39 @@ void read_settings(scene::Table table, scene::SceneReader& reader) {
         task.settings.set(name, scene::number(*node, quantity));
     });
   }
-  if (experiment.takes_motion)
+  if (task.string) {
+    const auto read_force = [&](const char* key) {
+      const auto* file = table.find(key);
+      std::optional<Signal::Table> force;
+      if (file)
+        scene::located(file->source(), [&] {
+          force = scene::read_table_file(*file, table.path(key), "N", reader.folder);
+          Signal{*force};  // refuses empty records and times that do not ascend
+        });
+      return force;
+    };
+    auto bridge = read_force("bridge_force"), nut = read_force("nut_force");
+    if (bridge.has_value() != nut.has_value())
+      throw InputError(fmt::format("{} is there and {} is not: friction follows from the forces at both ends",
+                                   table.path(bridge ? "bridge_force" : "nut_force"),
+                                   table.path(bridge ? "nut_force" : "bridge_force")));
+    if (bridge) {
+      task.end_forces = {std::move(*bridge), std::move(*nut)};
+      for (const char* key : {"duration", "skip", "sensor"})
+        if (const auto* node = table.find(key))
+          scene::fail(node->source(), "{} has no effect on forces that were measured", table.path(key));
+      reader.note_unread({"law", "drive.normal_load"}, "friction follows from the measured forces");
+    }
+    if (const auto* record = table.find("record"))
+      scene::fail(record->source(), "{} is the motion of a slider; of a string give bridge_force and nut_force, in N",
+                  table.path("record"));
+  } else if (experiment.takes_motion) {
     if (const auto* record = table.find("record"))
       scene::located(record->source(), [&] {
         task.motion = scene::read_table_file(*record, table.path("record"), "m", reader.folder);
         Signal{*task.motion};  // refuses empty records and times that do not ascend
       });
+  }
   if (auto sensor = table.table("sensor"))
     task.sensor = read_sensor(*sensor, analysis::lab::column_names(experiment, task));
   table.finish();
@@ -118,6 +146,11 @@ void read_lab(scene::SceneReader& reader) {
   reader.oscillator_if_there(false);
   asked.task->model = scene.model;
   if (scene.structure) read_machine(reader);
+  if (scene.string) {
+    reader.need("drive", "speed and load of the bow");
+    asked.task->string = scene.string->model;
+    scene::located(reader.root.find("oscillator")->source(), [&] { asked.experiment->require_served(*asked.task); });
+  }
   read_tables_of_models(reader);
   if (auto table = reader.root.table("lab")) read_settings(*table, reader);
   for (const auto& path : asked.experiment->prescribed)

@@ -54,6 +54,7 @@ std::vector<StringColumn> columns_of(const StringRecord& record, const tasks::Bo
     columns.push_back({fmt::format("friction_force_{}", m + 1), "N", &record.contact_friction[m]});
   }
   if (task.sound) columns.push_back({"sound", task.sound->unit, &record.heard});
+  columns.push_back({"nut_force", "N", &record.nut_force});
   return columns;
 }
 
@@ -69,7 +70,7 @@ StringRecord thinned(StringRecord record, int most) {
     list.resize(kept);
   };
   for (auto* list : {&record.time, &record.bow_speed, &record.velocity, &record.friction, &record.slip_rate,
-                     &record.normal_load, &record.bridge_force, &record.stick, &record.heard})
+                     &record.normal_load, &record.bridge_force, &record.nut_force, &record.stick, &record.heard})
     thin(*list);
   for (auto* lists : {&record.states, &record.contact_velocity, &record.contact_friction})
     for (auto& list : *lists) thin(list);

@@ -458,3 +458,74 @@ TEST_CASE("a torus whose load swings twice as fast meets the resonance 1:2", "[b
   CHECK(std::abs(at.p - 0.1) < at.p_error + 1e-12);
   CHECK(at.q_error < 1e-5);
 }
+
+namespace {
+
+/// Friction 0.5 − 0.1 (v − 1) + 0.4 (v − 1)³ and a force: x″ + x = 0.1 x′ − 0.4 x′³ + F cos(Ωt), Rayleigh's oscillator.
+/// Weakly forced it obeys ż = (1 + iσ) z − |z|² z + γ (Holmes & Rand 1978), with F = 0.1 √(1/3) γ and Ω = 1 ± 0.05 σ.
+oscillators::Model forced_rayleigh(double force, double angular_frequency) {
+  laws::FormulaDescription description;
+  constexpr Range finite{-1e300, 1e300};
+  description.parameters = {{{"mu0", "1", finite, "mu0"}, 0.5}, {{"v0", "m/s", finite, "v0"}, 1.0}};
+  description.friction = "mu0 - 0.1*(v/v0 - 1) + 0.4*(v/v0 - 1)^3", description.static_limit = "mu0 - 0.3";
+  static const auto law = laws::make_formula(description);
+  Model model;
+  model.law = law;
+  model.slider = {1, 1, 0};
+  model.drive.speed = 1.0, model.drive.normal_load = 1.0;
+  model.drive.force = Signal(Signal::Harmonics{0, {{force, angular_frequency, 0}}});
+  return model;
+}
+
+std::vector<Locus> loci_over_force(double angular_frequency, const LocusOptions& options) {
+  const Family2 family = [](double force, double frequency) {
+    return oscillator_of(forced_rayleigh(force, frequency));
+  };
+  const auto settled = settle(forced_rayleigh(options.p.from, angular_frequency), 1e-9);
+  REQUIRE(settled.outcome.complete());
+  BranchOptions along;
+  along.parameter = options.p, along.doublings = 0;
+  const auto found = from_cycle([&](double p) { return family(p, angular_frequency); }, settled, options.p.from, along);
+  return find_loci(family, found, angular_frequency, options).curves;
+}
+
+}  // namespace
+
+TEST_CASE("a torus of a forced oscillator meets the resonance 1:1 where its fold is", "[branches]") {
+  // Both multipliers 1 by shooting with DOP853; σ = γ = 1/2 of the averaged oscillator would be 0.975 and 0.028868.
+  LocusOptions options;
+  options.p = {0.06, 0.02, false}, options.q = {0.95, 0.98, false}, options.points = 6;
+  const auto curves = loci_over_force(0.95, options);
+  const auto& torus = of(curves, "torus");
+  const auto there = std::ranges::find(torus.events, "resonance-1:1", &LocusEvent::kind);
+  REQUIRE(there != torus.events.end());
+  const auto& at = there->at;
+  INFO(at.p << " ± " << at.p_error << ", " << at.q << " ± " << at.q_error);
+  CHECK(std::abs(at.p - 0.02905376729586) < at.p_error);
+  CHECK(std::abs(at.q - 0.9748397343489) < at.q_error);
+  CHECK(at.p_error < 1e-6);
+  CHECK(at.q_error < 1e-6);
+}
+
+TEST_CASE("two folds of a forced oscillator meet in a cusp, and the curve goes on as that of the other", "[branches]") {
+  // By shooting with second derivatives, DOP853; σ² = 1/3, γ² = 8/27 of the averaged oscillator would be 0.97113 and
+  // 0.031427.
+  LocusOptions options;
+  options.p = {0.05, 0.02, false}, options.q = {0.9735, 0.967, false}, options.points = 10;
+  const auto curves = loci_over_force(0.973, options);
+  const auto& fold = of(curves, "fold");
+  REQUIRE(fold.events.size() == 1);
+  const auto& [kind, at] = fold.events[0];
+  INFO(at.p << " ± " << at.p_error << ", " << at.q << " ± " << at.q_error);
+  CHECK(kind == "cusp");
+  CHECK(std::abs(at.p - 0.0319094164709) < at.p_error);
+  CHECK(std::abs(at.q - 0.9706964740967) < at.q_error);
+  CHECK(at.p_error < 1e-7);
+  CHECK(at.q_error < 1e-7);
+  // One curve with both folds, each from the end of the range.
+  CHECK(std::ranges::count(curves, "fold", &Locus::kind) == 1);
+  CHECK(fold.points.front().q == Approx(0.9735));
+  CHECK(fold.points.back().q == Approx(0.9735));
+  CHECK(std::abs(fold.points.front().p - fold.points.back().p) > 1e-4);
+  for (const auto& point : fold.points) CHECK(point.q > at.q - 1e-7);
+}

@@ -39,7 +39,7 @@ TEST_CASE("a bowed string has columns, slips, numbers with their errors, and a s
   CHECK(samples <= 1000);
   CHECK(samples > 500);
   for (const char* column : {"bow_speed", "string_velocity", "slip_rate", "friction_force", "normal_load",
-                             "bridge_force", "stick", "temperature_rise"}) {
+                             "bridge_force", "stick", "temperature_rise", "nut_force"}) {
     CAPTURE(column);
     CHECK(document["columns"][column].size() == samples);
     CHECK(document["units"].contains(column));
