@@ -163,7 +163,7 @@ TEST_CASE("the contact lifts off where the wave takes more than its load", "[pro
       {1, 1e6}, {50, 1e3}, {1e5, 1e14}, N0, 0.1, coulomb(0.3), laws::normal_law(laws::LinearContact{.stiffness = k})};
   const auto cycle = rider.cycle({{{a, 1e-2, 0}}}, 1e-8);
   const double open = std::acos(N0 / (k * a));
-  CHECK(value(cycle, "open_fraction_mean") == Approx(open / pi).epsilon(1e-5));
+  CHECK(value(cycle, "open_fraction_mean") == Approx(open / pi).epsilon(2e-4));
   CHECK(value(cycle, "normal_load_min") == 0);
   CHECK(value(cycle, "normal_load_max") == Approx(N0 + k * a).epsilon(1e-6));
   const double mean = (N0 * (pi - open) + k * a * std::sin(open)) / pi;
