@@ -99,7 +99,7 @@ Structure pin_on_disk(const PinOnDisk& rig, FrictionContact contact) {
     contact.gap[k] = -rig.angle * s;
   }
   contact.normal_law = rig.normal_law;
-  if (!rig.profile.is_flat()) {
+  if (!rig.profile.waves.empty()) {
     // Along the track, which moves towards larger s, a place s > 0 lies over what the middle has passed before.
     std::vector<double> ahead;
     for (int k = 0; k < rig.stations; ++k)

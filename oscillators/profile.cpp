@@ -72,6 +72,9 @@ Profile profile_of(std::span<const double> heights, double spacing) {
     profile.waves.push_back({amplitude, n * spacing / k, std::arg(bins[k])});
     largest = std::max(largest, amplitude);
   }
+  double highest = 0;
+  for (const double h : heights) highest = std::max(highest, std::abs(h));
+  if (largest <= 1e-14 * highest) throw InputError("the heights of the track are all the same, so that it is flat");
   constexpr double rounding = 1e-12;
   std::erase_if(profile.waves, [&](const auto& wave) { return wave.amplitude <= rounding * largest; });
   return profile;
@@ -79,7 +82,7 @@ Profile profile_of(std::span<const double> heights, double spacing) {
 
 OverProfile::OverProfile(std::shared_ptr<const NormalLaw> law, const Profile& profile, const Signal& speed,
                          std::vector<double> ahead)
-    : law_(std::move(law)), stations_(int(ahead.size())) {
+    : law_(std::move(law)), stations_(int(ahead.size())), is_flat_(profile.is_flat()) {
   static std::atomic<std::uint64_t> made = 0;
   number_ = ++made;
   if (!speed.constant() || speed.level() == 0)

@@ -37,7 +37,7 @@ Profile profile_of(const RoughTrack&);
 inline constexpr int most_waves = 1000;
 
 /// The closed track on which these heights (m) were read at equal spacing (m), once round: their trigonometric
-/// interpolation, less their mean.
+/// interpolation, less their mean. \throws InputError where they are all the same
 Profile profile_of(std::span<const double> heights, double spacing);
 
 /// A normal law on a surface that moves by with a constant speed V. At time t the height under a station is that of the
@@ -55,6 +55,7 @@ class OverProfile final : public NormalLaw {
   Height under(int station, double t) const;
   int stations() const { return stations_; }
   const Signal& height() const { return height_; }  ///< at the distance V t, m
+  bool is_flat() const { return is_flat_; }
   const std::shared_ptr<const NormalLaw>& on_level() const { return law_; }
 
   const Card& card() const override { return law_->card(); }
@@ -74,6 +75,7 @@ class OverProfile final : public NormalLaw {
   std::vector<Signal::Harmonic> waves_;
   std::vector<double> cosine_, sine_;  ///< of the phase by which a station is ahead; for each station, of each wave
   int stations_;
+  bool is_flat_;
   std::uint64_t number_;  ///< no two have the same
 };
 

@@ -38,7 +38,8 @@ double SampledServo::next_sample(double t) const {
 bool Structure::constant() const {
   return sampled.empty() && std::all_of(force.begin(), force.end(), [](const Signal& f) { return f.constant(); }) &&
          std::all_of(contacts.begin(), contacts.end(), [](const FrictionContact& c) {
-           return c.speed.constant() && c.normal_load.constant() && !profile_under(c.normal_law.get());
+           const auto* profile = profile_under(c.normal_law.get());
+           return c.speed.constant() && c.normal_load.constant() && (!profile || profile->is_flat());
          });
 }
 

@@ -281,6 +281,9 @@ std::map<std::string, double> metrics_of_sliding(const oscillators::Structure& s
                            name.find("_phase_") != std::string::npos || name.ends_with("_distortion");
     if (!of_period) values[name] = measure.value;
   }
+  for (int j = 0; j < system.friction_contacts(); ++j)
+    if (oscillators::profile_under(structure.contacts[j].normal_law.get()) && !structure.contacts[j].frictionless())
+      values[motion::numbered(system, "friction_drop", j)] = 0;
   return values;
 }
 

@@ -32,6 +32,7 @@ Profile read_waves(Table& table) {
     read_wave(wave, profile);
     wave.finish();
   }
+  if (profile.waves.empty()) fail(waves.source(), "{} is empty: a profile has one wave or more", table.path("waves"));
   return profile;
 }
 
@@ -122,7 +123,6 @@ std::optional<Profile> read_profile(SceneReader& reader, Table& owner) {
     profile = read_heights(*table, reader.folder);
   }
   table->finish();
-  if (profile.is_flat()) return std::nullopt;
   return profile;
 }
 

@@ -9,7 +9,7 @@
 
 namespace rosin::app::scene {
 
-/// The profile that this table gives, if any. Nothing of a surface without height.
+/// The profile that this table gives, if any.
 std::optional<oscillators::Profile> read_profile(SceneReader&, Table& owner);
 
 /// Reads it, and lays it under a contact of one station, whose speed is known.

@@ -62,8 +62,10 @@ TEST_CASE("waves, rough tracks and measured heights go under contacts that give 
                           "distance [mm],height [um]\n0,1\n1,3\n2,-1\n3,-3\n");
   CHECK(profile_of(track)->height().value(2e-3) == Approx(3e-6));
   CHECK(common_period(track.structure->structure) == Approx(8e-3).epsilon(1e-12));
-  // Nothing of no height; and the speed of a contact without friction.
-  CHECK(!profile_of(read(rider("{ type = 'harmonic', amplitude = 0, wavelength = 1e-3 }"))));
+  // A wave without height, at which a map may begin; and the speed of a contact without friction.
+  const auto flat = read(rider("{ type = 'harmonic', amplitude = 0, wavelength = 1e-3 }"));
+  CHECK(profile_of(flat)->is_flat());
+  CHECK(flat.structure->structure.constant());
   const auto smooth = read(rider("{ type = 'harmonic', amplitude = 1e-6, wavelength = 1e-3 }", "speed = 2, "));
   CHECK(common_period(smooth.structure->structure) == Approx(0.5e-3).epsilon(1e-12));
   CHECK(smooth.structure->structure.contacts[0].speed.level() == 0);
@@ -99,4 +101,8 @@ TEST_CASE("profiles that cannot be ridden over are refused with their place", "[
   CHECK_THROWS_WITH(read(rider("{ type = 'table', table = 'heights.csv' }"), "speed = 0.5\nnormal_load = 10",
                          "distance [mm],height [um]\n0,1\n1,3\n3,-1\n4,-3\n"),
                     Contains("equal spacing"));
+  CHECK_THROWS_WITH(read(rider("{ type = 'table', table = 'heights.csv' }"), "speed = 0.5\nnormal_load = 10",
+                         "distance [mm],height [um]\n0,1\n1,1\n2,1\n3,1\n"),
+                    Contains("all the same"));
+  CHECK_THROWS_WITH(read(rider("{ type = 'harmonics', waves = [] }")), Contains("is empty"));
 }
