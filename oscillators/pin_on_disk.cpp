@@ -99,6 +99,13 @@ Structure pin_on_disk(const PinOnDisk& rig, FrictionContact contact) {
     contact.gap[k] = -rig.angle * s;
   }
   contact.normal_law = rig.normal_law;
+  if (!rig.profile.waves.empty()) {
+    // Along the track, which moves towards larger s, a place s > 0 lies over what the middle has passed before.
+    std::vector<double> ahead;
+    for (int k = 0; k < rig.stations; ++k)
+      ahead.push_back(-radius * std::cos((k + 1) * std::numbers::pi / (rig.stations + 1)));
+    contact.normal_law = std::make_shared<OverProfile>(rig.normal_law, rig.profile, contact.speed, std::move(ahead));
+  }
   structure.contacts = {std::move(contact)};
   structure.check();
   return structure;

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "laws/normal_law.hpp"
+#include "oscillators/profile.hpp"
 #include "oscillators/structure.hpp"
 
 namespace rosin::oscillators {
@@ -29,10 +30,12 @@ struct PinOnDisk {
   bool convective = false;                  ///< the moving disk's Coriolis force between rotation and normal motion
   int stations = 64;                        ///< of the quadrature over the pin's circular face
   std::shared_ptr<const NormalLaw> normal_law;
+  Profile profile;  ///< of the track; each place of the face is at a distance of its own along it
 };
 
 /// Law, speed and load are those of the contact: the load presses the block, and the arm bears a part of it.
-/// \throws InputError for damping of a rigid link, and for a convective term without the motions that it couples.
+/// \throws InputError for damping of a rigid link, for a convective term without the motions that it couples, and for
+/// a profile under a speed that varies.
 Structure pin_on_disk(const PinOnDisk&, FrictionContact);
 
 }  // namespace rosin::oscillators

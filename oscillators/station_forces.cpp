@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "oscillators/profile.hpp"
+
 namespace rosin::oscillators {
 
 using Eigen::VectorXd;
@@ -75,9 +77,11 @@ void StationForces::evaluate(double t, const VectorXd& place, const VectorXd& ra
     const auto& [slip, first, stations, whole] = contacts_[j];
     const FrictionContact& of = structure_.contacts[j];
     const double load = this->load(int(j), t), preload = load / whole;
+    const auto* profile = profile_under(of.normal_law.get());
     double N = contacts_[j].presses() ? 0 : load;
     for (int s = first; s < first + stations; ++s) {
-      const auto answer = of.normal_law->at(approach(s, place), rate[s], preload);
+      const auto [level, rise] = profile ? profile->under(s - first, t) : OverProfile::Height{0, 0};
+      const auto answer = of.normal_law->at(approach(s, place) + level, rate[s] + rise, preload);
       forces.value[s] = -area_[s] * answer.pressure;
       forces.by_place(s, s) = -area_[s] * answer.pressure_by_approach;
       forces.by_rate(s, s) = -area_[s] * answer.pressure_by_rate;

@@ -13,6 +13,7 @@
 #include "laws/frictionless.hpp"
 #include "laws/regions.hpp"
 #include "laws/wrappers.hpp"
+#include "oscillators/profile.hpp"
 
 namespace rosin::oscillators {
 
@@ -36,8 +37,10 @@ double SampledServo::next_sample(double t) const {
 
 bool Structure::constant() const {
   return sampled.empty() && std::all_of(force.begin(), force.end(), [](const Signal& f) { return f.constant(); }) &&
-         std::all_of(contacts.begin(), contacts.end(),
-                     [](const FrictionContact& c) { return c.speed.constant() && c.normal_load.constant(); });
+         std::all_of(contacts.begin(), contacts.end(), [](const FrictionContact& c) {
+           const auto* profile = profile_under(c.normal_law.get());
+           return c.speed.constant() && c.normal_load.constant() && (!profile || profile->is_flat());
+         });
 }
 
 namespace {
@@ -189,6 +192,9 @@ void Structure::check() const {
         throw InputError(
             fmt::format("contact {}: its {} stations need a normal law, areas and gaps, and the direction of the load",
                         j + 1, stations));
+      const auto* profile = profile_under(contact.normal_law.get());
+      if (profile && (contact.face || profile->stations() != stations))
+        throw InputError(fmt::format("contact {}: its profile needs stations that stay where they are", j + 1));
       if (contact.stiffness.present() || contact.load_memory > 0)
         throw InputError(fmt::format(
             "contact {}: a load that follows motion does not go with contact stiffness and load memory", j + 1));
@@ -288,8 +294,10 @@ double common_period(const Structure& structure) {
       if (term.amplitude != 0) frequencies.push_back(std::abs(term.angular_frequency));
   };
   for (const auto& force : structure.force) take(force, "drive.force");
-  for (const auto& contact : structure.contacts)
+  for (const auto& contact : structure.contacts) {
     take(contact.speed, "drive.speed"), take(contact.normal_load, "drive.normal_load");
+    if (const auto* profile = profile_under(contact.normal_law.get())) take(profile->height(), "the profile");
+  }
   for (const auto& of : structure.sampled) take(of.servo.reference, "the servo's reference");
   if (frequencies.empty()) return 0;
   const double slowest = *std::ranges::min_element(frequencies);

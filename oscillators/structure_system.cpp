@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "laws/regions.hpp"
+#include "oscillators/profile.hpp"
 
 namespace rosin::oscillators {
 
@@ -305,8 +306,13 @@ StructureSystem::Stations StructureSystem::stations(int contact, const double* y
 }
 
 NormalAnswer StructureSystem::answer(int contact, const Station& station, double t, const double* y) const {
-  return structure_.contacts[contact].normal_law->at(station.normal.times(y) - station.gap,
-                                                     approach_rate(station, t, y), preload(contact, t));
+  const NormalLaw& law = *structure_.contacts[contact].normal_law;
+  double approach = station.normal.times(y) - station.gap, rate = approach_rate(station, t, y);
+  if (const auto* profile = profile_under(&law)) {
+    const auto [level, rise] = profile->under(int(&station - &station_[at_[contact].first_station]), t);
+    approach += level, rate += rise;
+  }
+  return law.at(approach, rate, preload(contact, t));
 }
 
 double StructureSystem::push_back(int contact, const Station& station, double t, const NormalAnswer& answer) const {
@@ -389,8 +395,11 @@ void StructureSystem::kinks(double t, const double* y, std::vector<double>& valu
     double size = 0, speed = 0;
     for (const auto& [i, value] : s.normal)
       size += std::abs(value) * coordinate_scale_[i], speed += std::abs(value) * speed_scale_[i];
-    values.push_back(structure_.contacts[j].normal_law->kink(s.normal.times(y) - s.gap, approach_rate(s, t, y), size,
-                                                             speed, preload(j, t)));
+    const NormalLaw& law = *structure_.contacts[j].normal_law;
+    const auto* profile = profile_under(&law);
+    const auto [level, rise] = profile ? profile->under(0, t) : OverProfile::Height{0, 0};
+    values.push_back(
+        law.kink(s.normal.times(y) - s.gap + level, approach_rate(s, t, y) + rise, size, speed, preload(j, t)));
   }
 }
 
@@ -767,8 +776,11 @@ double StructureSystem::next_break(double t) const {
 double StructureSystem::resolution() const {
   double shortest = infinity;
   for (const Signal& f : structure_.force) shortest = std::min(shortest, f.resolution());
-  for (const auto& c : structure_.contacts)
+  for (const auto& c : structure_.contacts) {
     shortest = std::min({shortest, c.speed.resolution(), c.normal_load.resolution()});
+    if (const auto* profile = profile_under(c.normal_law.get()))
+      shortest = std::min(shortest, profile->height().resolution());
+  }
   return shortest;
 }
 

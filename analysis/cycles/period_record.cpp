@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "analysis/steady/structure_stability.hpp"
+#include "oscillators/profile.hpp"
 
 namespace rosin::analysis::cycles {
 
@@ -240,7 +241,29 @@ void PeriodRecord::finish(double duration) {
                  metrics.at(motion::numbered(system_, "friction_force", j) + "_mean").value /
                      metrics.at(motion::numbered(system_, "normal_load", j) + "_mean").value,
                  "1", "mean friction over mean load");
+  add_friction_drops();
   add_metric("friction_work", heat_, "J", "heat of friction in a period");
+}
+
+/// What the mean friction of contacts on profiles has lost against steady sliding on their mean level, where there is
+/// any.
+void PeriodRecord::add_friction_drops() {
+  const auto& structure = system_.structure();
+  const auto rides = [&](int j) { return oscillators::profile_under(structure.contacts[j].normal_law.get()); };
+  if (std::ranges::none_of(slips_, rides)) return;
+  std::vector<double> on_level(force_.size());
+  try {
+    StructureSystem level(steady::frozen(structure));
+    level.slide();
+    level.friction_forces(0, level.steady(0).data(), on_level.data());
+  } catch (const oscillators::NoSteadySliding&) {
+    return;
+  }
+  for (const int j : slips_)
+    if (rides(j) && on_level[j] != 0)
+      add_metric(motion::numbered(system_, "friction_drop", j),
+                 1 - metrics.at(motion::numbered(system_, "friction_force", j) + "_mean").value / on_level[j], "1",
+                 "1 - mean friction over that of steady sliding on the mean level of the profile");
 }
 
 std::map<std::string, double> metrics_of_sliding(const oscillators::Structure& structure) {
@@ -255,6 +278,9 @@ std::map<std::string, double> metrics_of_sliding(const oscillators::Structure& s
                            name.find("_phase_") != std::string::npos || name.ends_with("_distortion");
     if (!of_period) values[name] = measure.value;
   }
+  for (int j = 0; j < system.friction_contacts(); ++j)
+    if (oscillators::profile_under(structure.contacts[j].normal_law.get()) && !structure.contacts[j].frictionless())
+      values[motion::numbered(system, "friction_drop", j)] = 0;
   return values;
 }
 

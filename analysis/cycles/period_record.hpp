@@ -36,6 +36,7 @@ class PeriodRecord {
   void add_slip(motion::Follower::Step&);
   void add_metric(std::string name, double value, std::string unit, std::string meaning);
   void add_slip_metrics(int friction_contact, double duration);
+  void add_friction_drops();
   /// A place of Gauss's rule in a part of a step, for integrals over the period.
   struct Place {
     std::size_t step;

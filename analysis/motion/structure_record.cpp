@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "oscillators/profile.hpp"
+
 namespace rosin::analysis::motion {
 
 using oscillators::Structure;
@@ -39,6 +41,7 @@ StructureRecord::StructureRecord(const StructureSystem& system) : system_(system
     }
     if (shows_load(j)) add("normal_load" + number, "N");
     if (system.follows_motion(j)) add("open_fraction" + number, "1");
+    if (oscillators::profile_under(structure.contacts[j].normal_law.get())) add("profile_height" + number, "m");
     for (const auto& state : structure.contacts[j].law->states()) add(state.name + number, state.unit);
   }
   for (std::size_t i = 0; i < structure.names.size(); ++i)
@@ -62,6 +65,8 @@ void StructureRecord::observe(double t, const double* y, std::vector<double>& ro
     }
     if (shows_load(j)) row.push_back(N);
     if (system_.follows_motion(j)) row.push_back(system_.open_fraction(j, t, y));
+    if (const auto* profile = oscillators::profile_under(system_.structure().contacts[j].normal_law.get()))
+      row.push_back(profile->height().value(t));
     for (const double state : system_.states(j, t, y)) row.push_back(state);
   }
   if ((system_.structure().M.diagonal().array() > 0).any()) {

@@ -9,6 +9,7 @@
 
 #include "analysis/steady/linearised.hpp"
 #include "analysis/steady/verdict.hpp"
+#include "oscillators/profile.hpp"
 
 namespace rosin::analysis::steady {
 
@@ -27,6 +28,8 @@ oscillators::Structure frozen(oscillators::Structure structure) {
   for (auto& contact : structure.contacts) {
     contact.speed = contact.speed.level();
     contact.normal_load = contact.normal_load.level();
+    if (const auto* profile = oscillators::profile_under(contact.normal_law.get()))
+      contact.normal_law = profile->on_level();
   }
   return structure;
 }

@@ -80,6 +80,8 @@ const std::map<std::string, Known, std::less<>>& table() {
         {"stick_time", {"", "s", "in which nothing slips"}},
         {"pressure", {"", "Pa", "of the contact"}},
         {"apparent_friction", {"", "1", "mean friction over mean normal load"}},
+        {"profile_height", {"", "m", "of the surface under the contact, above its mean level"}},
+        {"friction_drop", {"", "1", "mean friction less than in steady sliding on the mean level of the profile"}},
         {"open_fraction", {"", "1", "of the contact, lifted off"}},
         {"full_stick_fraction", {"", "1", "of the time in which the whole contact sticks"}},
         {"centre_x_period", {"", "s", "of the motion along the belt"}},

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "app/scene/oscillator.hpp"
+#include "app/scene/profile.hpp"
 #include "app/scene/structure.hpp"
 
 namespace rosin::app::scene {
@@ -48,6 +49,7 @@ void read_drive_and_contacts(SceneReader& reader, Table drive, bool complete) {
   for (const auto& element : list(*contacts.node(), "oscillator.contacts", "tables", most_names)) {
     Table table(element, fmt::format("oscillator.contacts.{}", ++entry));
     table.expect({"block", "law", "speed", "normal_load", "load_factor"});
+    refuse_profile(table);
     int block = 0;
     const auto& node = table.required("block", "number of the block, from 1");
     table.read("block", block, 1, int(structure.contacts.size()), "number of the block, from 1");

@@ -1,5 +1,6 @@
 /// A block on springs at angles, pressed on a belt.
 #include "app/scene/oscillator.hpp"
+#include "app/scene/profile.hpp"
 #include "app/scene/structure.hpp"
 
 namespace rosin::app::scene {
@@ -7,8 +8,8 @@ namespace rosin::app::scene {
 namespace {
 
 void read_mode_coupling(SceneReader& reader, Table table, bool) {
-  table.expect({"type", "mass", "springs", "damping", "contact", "stops"});
-  table.find("type");
+  table.expect({"type", "mass", "springs", "damping", "contact", "profile", "stops"});
+  table.find("type"), table.find("profile");  // which needs the speed of the drive
   oscillators::ModeCoupling model;
   const Quantity mass{"", "kg", {1e-12, 1e12}, "mass, along and into the belt"};
   table.required("mass", "a number, or a pair along and into the belt, kg");
@@ -35,10 +36,16 @@ void read_mode_coupling(SceneReader& reader, Table table, bool) {
   read_stops(reader, table);
 }
 
+void read_drive_and_profile(SceneReader& reader, Table drive, bool complete) {
+  read_drive_of_one(reader, std::move(drive), complete);
+  Table table(*reader.document.at_path("oscillator").node(), "oscillator");
+  read_profile_under(reader, table, reader.scene.structure->structure.contacts[0]);
+}
+
 }  // namespace
 
 OscillatorType mode_coupling_type() {
-  return {"mode-coupling", verbs_of_structures, read_mode_coupling, read_drive_of_one};
+  return {"mode-coupling", verbs_of_structures, read_mode_coupling, read_drive_and_profile};
 }
 
 }  // namespace rosin::app::scene

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "app/scene/oscillator.hpp"
+#include "app/scene/profile.hpp"
 #include "app/scene/structure.hpp"
 
 namespace rosin::app::scene {
@@ -39,10 +40,10 @@ void read_drive_and_rig(SceneReader& reader, Table drive, bool complete) {
   read_structure_drive(reader, std::move(drive), complete, false);
   const auto& node = *reader.document.at_path("oscillator").node();
   Table table(node, "oscillator");
-  table.expect({"type",          "pin_diameter",  "pin_height",     "pin_mass",      "pin_inertia",
-                "block_mass",    "block_inertia", "lever",          "arm_stiffness", "arm_damping",
-                "pin_stiffness", "pin_damping",   "disk_stiffness", "disk_mass",     "disk_inertia",
-                "disk_height",   "angle",         "convective",     "stations",      "normal_contact"});
+  table.expect({"type",           "pin_diameter",   "pin_height",    "pin_mass",    "pin_inertia",   "block_mass",
+                "block_inertia",  "lever",          "arm_stiffness", "arm_damping", "pin_stiffness", "pin_damping",
+                "disk_stiffness", "disk_mass",      "disk_inertia",  "disk_height", "angle",         "convective",
+                "stations",       "normal_contact", "profile"});
   table.find("type");
   oscillators::PinOnDisk rig;
   constexpr Range length{1e-9, 1e3}, mass{1e-12, 1e12}, stiffness{0, infinity, 0, 1e18}, damping{0, 1e15};
@@ -72,6 +73,8 @@ void read_drive_and_rig(SceneReader& reader, Table drive, bool complete) {
   rig.normal_law = laws::normal_law(surfaces);
   if (const auto* contact = table.find("normal_contact"))
     rig.normal_law = read_normal_law(Table(*contact, table.path("normal_contact")), true);
+  const auto profile = read_profile(reader, table);
+  if (profile) rig.profile = *profile;
   table.finish();
   if (std::ranges::all_of(rig.disk_stiffness, [](double k) { return std::isinf(k); }))
     for (const char* key : {"disk_mass", "disk_inertia", "disk_height"})

@@ -1,5 +1,6 @@
 /// The slider on a spring and a damper.
 #include "app/scene/oscillator.hpp"
+#include "app/scene/profile.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/signal.hpp"
 #include "app/scene/structure.hpp"
@@ -14,6 +15,7 @@ void read_slider(SceneReader& reader, Table table, bool complete) {
   auto& slider = reader.scene.model.slider;
   table.expect({"type", "mass", "stiffness", "damping", "stops", "restitution"});
   table.find("type");
+  refuse_profile(table);
   if (const auto* stops = table.find("stops")) refuse_stops_elsewhere(reader, *stops);
   if (complete) {
     table.required("mass", "kg; 0: quasi-static");

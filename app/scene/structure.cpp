@@ -9,6 +9,7 @@
 #include "app/scene/law.hpp"
 #include "app/scene/matrix_file.hpp"
 #include "app/scene/oscillator.hpp"
+#include "app/scene/profile.hpp"
 #include "app/scene/reduced_block.hpp"
 #include "app/scene/signal.hpp"
 #include "app/scene/start.hpp"
@@ -194,7 +195,8 @@ void read_drive_and_contacts(SceneReader& reader, Table drive, bool complete) {
   const auto& contacts = *reader.document.at_path("oscillator.contacts").node();
   for (const auto& element : list(contacts, "oscillator.contacts", "tables", most_names)) {
     Table table(element, fmt::format("oscillator.contacts.{}", structure.contacts.size() + 1));
-    table.expect({"tangential", "normal", "normal_contact", "gap", "law", "speed", "normal_load", "load_factor"});
+    table.expect(
+        {"tangential", "normal", "normal_contact", "gap", "profile", "law", "speed", "normal_load", "load_factor"});
     const auto read_direction = [&](const toml::node& node, std::string_view key,
                                     const char* meaning) -> Eigen::VectorXd {
       const auto entries = numbers(node, {table.path(key), "1", any_number, meaning});
@@ -221,16 +223,20 @@ void read_drive_and_contacts(SceneReader& reader, Table drive, bool complete) {
              table.path("gap"));
       contact.gap = Eigen::VectorXd::Constant(1, gap);
     }
+    const bool rides = normal && table.find("profile");  // whose speed matters where there is no friction too
     if (!tangential) {
       for (const auto key : {"law", "speed"})
-        if (const auto* node = table.find(key))
+        if (const auto* node = table.find(key); node && !(rides && key == std::string_view("speed")))
           fail(node->source(), "{} has no effect on a contact without tangential, which has no friction",
                table.path(key));
       auto pressed = oscillators::frictionless_contact(contact.normal, contact.normal_law);
       pressed.normal_load = contact.normal_load, pressed.gap = contact.gap;
+      if (rides) pressed.speed = contact.speed;
       contact = std::move(pressed);
     }
     read_contact(reader, table, contact);
+    read_profile_under(reader, table, contact);
+    if (!tangential) contact.speed = 0.0;
     table.finish();
     structure.contacts.push_back(std::move(contact));
   }

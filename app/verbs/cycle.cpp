@@ -38,7 +38,8 @@ std::vector<std::string> told_metrics(const scene::Scene& scene, const std::vect
   for (const auto& name : known) {
     if (std::ranges::find(told, name) != told.end()) continue;
     const bool extreme = name.ends_with("_max") || name.ends_with("_min");
-    if (name.starts_with("stick_fraction") || (extreme && is_of_coordinate(name))) told.push_back(name);
+    if (name.starts_with("stick_fraction") || name.starts_with("friction_drop") || (extreme && is_of_coordinate(name)))
+      told.push_back(name);
   }
   return told;
 }
