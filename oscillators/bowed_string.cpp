@@ -276,7 +276,7 @@ void StringLanes::begin(int lane, const BowedStringModel& model) {
 
 /// Waves of the motion with one corner (Helmholtz; Raman 1918): leftward a sawtooth w, rightward its reflection, so
 /// that w(t) − w(t − βT) is the speed of the bow but in a part β of the period. A force F = N μ(v/β) pulls the string
-/// aside.
+/// aside; the bridge, which is nearer, bears the part 1 − β of it.
 void StringLanes::start_helmholtz(int lane, const BowedStringModel& model) {
   const double speed = model.speed.value(0), beta = realised_bow_position();
   const double period = string_.sample_rate / realised_frequency();
@@ -286,8 +286,8 @@ void StringLanes::start_helmholtz(int lane, const BowedStringModel& model) {
     const double from_jump = n / period - 0.5;  // the corner passes the bow half a period from now
     return speed / beta * (from_jump - std::floor(from_jump + 1e-9) - 0.5);
   };
-  const auto leftward = [&](double n) { return sawtooth(n) + beta * pull; };
-  const auto rightward = [&](double n) { return -sawtooth(n - beta * period) + (1 - beta) * pull; };
+  const auto leftward = [&](double n) { return sawtooth(n) + (1 - beta) * pull; };
+  const auto rightward = [&](double n) { return -sawtooth(n - beta * period) + beta * pull; };
   const auto places = string_.bow_positions();
   const auto fill = [&](Line& line, std::size_t m, double sign, const auto& wave, double gain = 1) {
     const double behind = sign * (places[m] - string_.bow_position) * 0.5 * period;
