@@ -233,7 +233,10 @@ class NearSpecial {
 
   /// The special point at q near one whose cycle is known.
   /// \param alike  one of another test serves as well, if that is told alike
-  std::optional<SpecialPoint> find(const SpecialPoint& known, double p, double q, bool alike = false) const {
+  /// \param opening  of a fold the sign of the parameter along which both cycles are, from the fold: of two folds that
+  ///        meet in a cusp it differs. That which is wanted, 0 for any, and then that of the fold that was found
+  std::optional<SpecialPoint> find(const SpecialPoint& known, double p, double q, bool alike = false,
+                                   int* opening = nullptr) const {
     const auto is_wanted = [&](const std::string& test) {
       return alike ? shown_kind(test) == shown_kind(known.test) : test == known.test;
     };
@@ -267,8 +270,15 @@ class NearSpecial {
         if ((turn < 0) != (sign < 0)) onward->x *= -1, onward->c *= -1;
         const auto branch = continuation.follow(*start, *onward);
         if (branch.outcome.ending == Ending::interrupted) throw Stopped{};
-        for (const auto& special : branch.special)
-          if (is_wanted(special.test)) return special;
+        for (const auto& special : branch.special) {
+          if (!is_wanted(special.test)) continue;
+          const double before_it = branch.points[special.after].p - special.p,
+                       behind = branch.points[special.after + 1].p - special.p;
+          const int opens = (std::abs(before_it) > std::abs(behind) ? before_it : behind) > 0 ? 1 : -1;
+          if (opening && *opening != 0 && opens != *opening) continue;
+          if (opening) *opening = opens;
+          return special;
+        }
       }
     return std::nullopt;
   }
@@ -342,6 +352,8 @@ class SpecialCurve {
     SpecialPoint at = start_;
     Place place = start_place_, tangent = {0, double(sign)};
     std::optional<Place> departure;  // its direction
+    const bool is_fold = start_.test == "fold";
+    int opening = 0, opening_along = -1;  // of the fold, and the parameter that it was not along
     bool has_left = false, alike = false;
     constexpr double least = 1.0 / 64;
     constexpr int most_cusps = 8;
@@ -352,29 +364,31 @@ class SpecialCurve {
       if (tangent[along] > 0 ? place[along] >= 1 : place[along] <= 0) return {};
       const double next = next_step(place[along], tangent[along], step);
       const double expected = place[across] + tangent[across] / tangent[along] * (next - place[along]);
+      int opens = along == opening_along ? opening : 0;  // where the curve turns the parameters change places
       const auto found = near_[across].find(at, scales_[across].value(std::clamp(expected, 0.0, 1.0)),
-                                            scales_[along].value(next), alike);
+                                            scales_[along].value(next), alike, is_fold ? &opens : nullptr);
       // Near a turn the other side of the curve is near as well.
       const double reached = found ? scales_[across].coordinate(found->p) : NAN;
       constexpr double most = 2;  // steps
       if (!found || (departure && std::abs(reached - expected) > most * std::abs(next - place[along]))) {
         step *= 0.5;
         if (step >= least * longest_) continue;
-        if (start_.test != "fold" && !alike) {
+        if (!is_fold && !alike) {
           alike = true, step = longest_;
           continue;
         }
         if (expected < 0 || expected > 1) return {};
-        const bool may_be_cusp = start_.test == "fold" && cusps_ < most_cusps;
-        const auto passed = may_be_cusp ? pass_cusp(long_steps, points, events) : std::nullopt;
+        const auto passed = is_fold && cusps_ < most_cusps ? pass_cusp(long_steps, points, events) : std::nullopt;
         if (!passed) return "no such cycle follows, however near: a point of another kind";
         ++cusps_;
+        opening_along = -1;
         at = passed->at, place = passed->place, tangent = passed->tangent;
         long_steps = {{at, place, tangent, points.size()}};
         step = longest_;
         continue;
       }
       alike = false;
+      opening = opens, opening_along = along;
       const Place before = place;
       place[along] = next, place[across] = reached;
       tangent = {place[0] - before[0], place[1] - before[1]};

@@ -529,3 +529,36 @@ TEST_CASE("two folds of a forced oscillator meet in a cusp, and the curve goes o
   CHECK(std::abs(fold.points.front().p - fold.points.back().p) > 1e-4);
   for (const auto& point : fold.points) CHECK(point.q > at.q - 1e-7);
 }
+
+TEST_CASE("folds of cycles without a drive meet in a cusp, from whichever of them the curve begins", "[branches]") {
+  // x″ + x = (0.1 − c) x′ − b₃ x′³ + 1.92 x′⁵ − 2.9257 x′⁷. In polar coordinates the return map of the radius has slope
+  // 1 and no second derivative there, by its equations of variation with DOP853.
+  laws::FormulaDescription description;
+  constexpr Range finite{-1e300, 1e300};
+  description.parameters = {{{"v0", "m/s", finite, "v0"}, 1.0}, {{"b3", "1", finite, "b3"}, 0.38}};
+  description.define = {{"u", "1 - v/v0"}};
+  description.friction = "0.5 + 0.1*u - b3*u^3 + 1.92*u^5 - 2.9257*u^7", description.static_limit = "0.5";
+  Model model;
+  model.law = laws::make_formula(description);
+  model.slider = {1, 1, 0.05};
+  model.drive.speed = 1.0, model.drive.normal_load = 1.0;
+  const auto family = over(model, "oscillator.damping", "law.b3");
+  const auto settled = settle(model, 1e-9);
+  REQUIRE(settled.outcome.complete());
+  BranchOptions along;
+  along.parameter = {0.05, 0.1, false};
+  const auto found = from_cycle([&](double p) { return family(p, 0.38); }, settled, 0.05, along);
+  LocusOptions options;
+  options.p = along.parameter, options.q = {0.375, 0.41, false}, options.points = 10;
+  const auto curves = find_loci(family, found, 0.38, options).curves;
+  CHECK(std::ranges::count(curves, "fold", &Locus::kind) == 1);
+  const auto& fold = of(curves, "fold");
+  REQUIRE(fold.events.size() == 1);
+  const auto& [kind, at] = fold.events[0];
+  INFO(at.p << " ± " << at.p_error << ", " << at.q << " ± " << at.q_error);
+  CHECK(kind == "cusp");
+  CHECK(std::abs(at.p - 0.07499983756622) < at.p_error);
+  CHECK(std::abs(at.q - 0.4000016267352) < at.q_error);
+  CHECK(at.q_error < 1e-6);
+  CHECK(std::abs(fold.points.front().p - fold.points.back().p) > 1e-3);
+}

@@ -55,14 +55,15 @@ TEST_CASE("inverse: the end forces of Helmholtz motion tell the speed of the bow
   CHECK(result.reading("slipping_velocity").value == Approx(V * (1 - 1 / beta)).epsilon(1e-12));
   CHECK(result.reading("force_apart").value < 1e-12);
   int slips = 0;
+  constexpr std::size_t two_periods = 400;
   const auto& velocity = result.record.column("velocity");
   for (std::size_t i = 0; i < velocity.size(); ++i) {
     const bool slip = velocity[i] < 0;
-    slips += slip;
+    slips += slip && i < two_periods;
     CHECK(std::abs(velocity[i] - (slip ? V * (1 - 1 / beta) : V)) < 1e-12);
     CHECK(std::abs(result.record.column("friction_force")[i] - F) < 1e-12);
   }
-  CHECK(slips / double(velocity.size()) == Approx(beta).epsilon(0.06));
+  CHECK(slips == beta * two_periods);
   task.end_forces->nut.time[3] += 1e-5;
   CHECK_THROWS_WITH(find_experiment("inverse").perform(task), Catch::Contains("same times"));
 }
@@ -97,7 +98,7 @@ TEST_CASE("inverse: a cello string with losses, torsion and heat is reconstructe
                                          << result.reading("velocity_error_rms").value);
   CHECK(result.reading("error_rms").value < 1e-3 * result.reading("force_max").value);
   CHECK(result.reading("velocity_error_rms").value < 1e-3);
-  CHECK(result.reading("coverage").value > 0.99);
+  CHECK(result.reading("coverage").value > 0.98);  // not beside jumps of friction
 }
 
 TEST_CASE("inverse: of which strings it cannot be told, and why", "[lab][string]") {
