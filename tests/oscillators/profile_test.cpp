@@ -186,6 +186,9 @@ TEST_CASE("friction in proportion to the area of a Hertzian contact falls by A^2
   CHECK(value(rider.cycle({{{1e-7, 1e-3, 0}}}), "friction_drop") == Approx(6.033863134732309e-4).epsilon(1e-7));
   const auto strong = on_hertz(400).cycle({{{1e-6, 1e-3, 0}}});
   CHECK(value(strong, "friction_drop") == Approx(0.047114078549561955).epsilon(1e-8));
+  auto open = on_hertz(400);  // for 0.287 of the time
+  open.speed = 0.57;
+  CHECK(value(open.cycle({{{1.6e-6, 1e-3, 0}}}), "friction_drop") == Approx(0.17660462703259).epsilon(1e-8));
   CHECK(value(strong, "normal_load_mean") == Approx(20).epsilon(1e-9));
   CHECK(value(strong, "normal_load_max") == Approx(39.459021528).epsilon(1e-6));
 }
