@@ -46,12 +46,9 @@ TEST_CASE("a chaotic motion is known for some time, and then by averages whose e
   struct {
     const char* name;
     double value, of_reference;
-  } known[] = {{"displacement_mean", 0.31491, 4e-5},
-               {"displacement_rms", 0.54820, 3e-4},
-               {"velocity_rms", 0.48492, 3e-4},
-               {"stick_fraction", 0.39116, 2e-4},
-               {"friction_work_rate", 0.11589, 5e-5},
-               {"velocity_mean", 0, 0}};
+  } known[] = {{"displacement_mean", 0.31491, 4e-5},  {"displacement_rms", 0.54820, 3e-4},
+               {"velocity_rms", 0.48492, 3e-4},       {"stick_fraction", 0.39116, 2e-4},
+               {"friction_work_rate", 0.11589, 5e-5}, {"velocity_mean", 0, 0}};
   for (const auto& [name, value, of_reference] : known) {
     INFO(name);
     const auto& measure = motion.averages.at(name);

@@ -365,9 +365,8 @@ TEST_CASE("a wrong scene is refused with its place and what to try") {
       {"run", run("[run]\nduration = 1\n[solver]\ntype = 'cfm'\nwindow = 1"), "only for o-fbfm"},
       {"run", run("[run]\nduration = 1\n[solver]\nstep = 1"), "no meaning for solver 'auto'"},
       {"branch", "[law]\ntype = 'coulomb'\n[oscillator]\ntype = 'string'\n[drive]\nspeed = 1\nnormal_load = 1",
-       "scene.toml:4:8: oscillator.type = 'string' serves run, stability, cycle, sweep, map, compare, frf, lyapunov "
-       "only, "
-       "not 'branch': the state of a string is all its waves"},
+       "scene.toml:4:8: oscillator.type = 'string' serves run, stability, cycle, sweep, map, compare, frf, lyapunov, "
+       "lab only, not 'branch': the state of a string is all its waves"},
       {"run", structure("K = [[1]]"), "scene.toml:6:5: oscillator.K has 1 rows, but M has 2"},
       {"run", structure("K = [[1, 0], [0]]"), "scene.toml:6:14: oscillator.K is not square: a row has 1 of 2"},
       {"run", structure("K = [['3 kN/m', 0], [0, '1 m']]"), "scene.toml:6:25: oscillator.K: '1 m' is in m"},
