@@ -125,6 +125,9 @@ Crossing locate(const LeadingAt& at, Point calm, Point growing) {
   crossing.angular_frequency = growing.leading.angular_frequency;
   if (neutral && !lost) {
     continue_from_growth(at, growing.value, reach, crossing);
+    // Growth that hardly rises from its error is continued beyond all that was looked at: it may begin anywhere there.
+    if (const double inside = std::clamp(crossing.value, low, high); inside != crossing.value)
+      crossing.value = inside, crossing.error = std::max(crossing.error, high - low);
     return crossing;
   }
   crossing.value = 0.5 * (calm.value + growing.value);

@@ -89,3 +89,15 @@ TEST_CASE("no friction against the direction that couples: no threshold, and a w
   CHECK(window.thresholds[1].value == Approx(0.5001).epsilon(1e-9));
   CHECK_FALSE(window.thresholds[1].onset);
 }
+
+TEST_CASE("a threshold that rounding hides lies in the range that was looked at, with an error as large") {
+  // Growth of 1.6e-8 1/s rises by a thousandth over the range, and its error is half of it: calm by chance at 0.
+  const auto hidden = locate(
+      [](double value) {
+        return Leading{value > 0.3 ? 1.6e-8 * (1 + 1e-3 * value) : 0, 9e-9, 137};
+      },
+      0, 1);
+  CHECK(hidden.value >= 0);
+  CHECK(hidden.value <= 1);
+  CHECK(hidden.error > 0.5);
+}
