@@ -165,10 +165,10 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
     for (const Stop& stop : structure_.stops)  // of a coordinate that nothing else holds
       if (stop.coordinate == i && coordinate_scale_[i] == 0 && structure_.K(i, i) == 0)
         coordinate_scale_[i] = std::abs(stop.at);
-    if (coordinate_scale_[i] == 0)
-      coordinate_scale_[i] = structure_.K(i, i) > 0
-                                 ? speed_scale_[i] * std::sqrt(structure_.M(i, i) / structure_.K(i, i))
-                                 : speed_scale_[i];
+    // Without mass a coordinate follows its spring as fast as its damping lets it.
+    const double m = structure_.M(i, i), k = structure_.K(i, i), c = structure_.C(i, i);
+    if (coordinate_scale_[i] == 0 && k > 0) coordinate_scale_[i] = speed_scale_[i] * (m > 0 ? std::sqrt(m / k) : c / k);
+    if (coordinate_scale_[i] == 0) coordinate_scale_[i] = speed_scale_[i];
   }
   for (int i = 0; i < n_; ++i) is_held_.push_back(stiffness_at(i) > 0);
   has_regions_ = std::ranges::any_of(at_, [](const At& at) { return at.region > 0; });
