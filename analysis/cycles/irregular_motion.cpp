@@ -184,6 +184,10 @@ double known_until(Source& source, double interval, double exponent) {
       low = std::min(low, reference[k * n + i]), high = std::max(high, reference[k * n + i]);
     range[i] = high - low;
   }
+  // One that hardly moves counts by the others.
+  constexpr double least = 1e-3;
+  const double widest = *std::ranges::max_element(range);
+  for (double& own : range) own = std::max(own, least * widest);
   double until = infinity;
   source.follow(true, false, interval, known, [&](std::size_t k, const double* row) {
     if (k >= known || std::isfinite(until)) return;

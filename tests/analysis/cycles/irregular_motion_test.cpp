@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "analysis/motion/motion.hpp"
+#include "analysis/motion/stepped_oscillator.hpp"
 #include "laws/catalogue.hpp"
 
 using namespace rosin;
@@ -61,6 +62,28 @@ TEST_CASE("a chaotic motion is known for some time, and then by averages whose e
   // Parseval, but for what a window takes of the slowest.
   const double rms = motion.averages.at("velocity_rms").value;
   CHECK(std::abs(power(motion, 1) - rms * rms) < 0.03 * rms * rms);
+}
+
+TEST_CASE("the same block by steps of a slider in the plane has the averages of the line", "[long]") {
+  analysis::motion::PlaneModel model;
+  model.mass = {1, {1, 1}, {0, 0}, 1, 1, {0.3, 0}, 1, {Signal(Signal::Harmonics{0, {{0.7, 2, 0}}}), Signal(0.0)}};
+  model.law = laws::find_law("hyperbolic")->with({1.0, 3.0});
+  const auto oscillator = analysis::motion::stepped(model);
+  SteppedCycle searched;
+  searched.exponent = {0.1, 0.01}, searched.start = oscillator.start;
+  const auto motion = irregular_motion(oscillator, searched, 1e-6);
+  CHECK(motion.regime == "chaotic");
+  CHECK(motion.known_until > 50);  // the axis along which nothing moves does not count
+  // As above, through 3·10⁵ s at 0.3 m/s under 0.7 cos 2t.
+  for (const auto& [name, value] : {std::pair{"displacement_x_mean", 0.40315},
+                                    {"displacement_x_rms", 0.36710},
+                                    {"stick_fraction", 0.42404},
+                                    {"friction_work_rate", 0.09730}}) {
+    INFO(name);
+    const auto& measure = motion.averages.at(name);
+    CHECK(measure.error < 0.01 * value);
+    CHECK(std::abs(measure.value - value) < 4 * measure.error);
+  }
 }
 
 TEST_CASE("two sinusoids that never meet again are quasi-periodic, and have their two lines") {
