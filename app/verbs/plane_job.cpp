@@ -24,18 +24,18 @@ namespace rosin::app::verbs {
 using analysis::planes::Regime;
 using nlohmann::ordered_json;
 
-std::string motion_of(const scene::Scene& scene, const analysis::planes::MapPoint& point,
-                      const std::vector<analysis::planes::PlaneMetric>& metrics) {
+double mean_return_of(const scene::Scene& scene) {
   const double period = scene::drive_period_of(scene);
-  return analysis::planes::motion_of(point, metrics, period > 0 ? period : infinity);
+  return period > 0 ? period : infinity;
 }
 
 namespace {
 
 /// What the motions of the plane are, point by point; empty where nothing that was asked tells.
 std::vector<std::string> motions_of(const scene::Scene& scene, const analysis::planes::Map& map) {
+  const double mean_return = mean_return_of(scene);
   std::vector<std::string> motions;
-  for (const auto& point : map.points) motions.push_back(motion_of(scene, point, map.metrics));
+  for (const auto& point : map.points) motions.push_back(analysis::planes::motion_of(point, map.metrics, mean_return));
   const bool known = std::ranges::any_of(motions, [](const auto& text) { return !text.empty() && text != "steady"; });
   return known ? motions : std::vector<std::string>();
 }

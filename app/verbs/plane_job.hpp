@@ -26,9 +26,8 @@ struct MapResult {
 /// unknown name
 std::vector<analysis::planes::PlaneMetric> metrics_of(const scene::Scene&, const std::vector<std::string>& names);
 
-/// What the motion at a point is (analysis::planes::motion_of).
-std::string motion_of(const scene::Scene&, const analysis::planes::MapPoint&,
-                      const std::vector<analysis::planes::PlaneMetric>&);
+/// s, between returns of a motion of the scene: the period of its drive; infinite: not known.
+double mean_return_of(const scene::Scene&);
 
 /// A plane for files: regimes, metrics with their errors, and its threshold and fold.
 results::Table table_of(const scene::Scene&, const analysis::planes::Map&);

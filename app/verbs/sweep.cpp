@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "analysis/motion/structure_record.hpp"
+#include "analysis/planes/structure_map.hpp"
 #include "app/output/pictures.hpp"
 #include "app/results/axis.hpp"
 #include "app/results/writers.hpp"
@@ -259,7 +260,9 @@ results::Result result_of(const Job& job, const Sweep& sweep) {
     result["regime"] = both([](const auto& points) {
       return each(points, [](const auto& point) { return ordered_json(name(point.metrics.regime)); });
     });
-    const auto motion = [&](const SweepPoint& point) { return motion_of(scene, point.metrics, sweep.metrics); };
+    const auto motion = [&, mean_return = mean_return_of(scene)](const SweepPoint& point) {
+      return analysis::planes::motion_of(point.metrics, sweep.metrics, mean_return);
+    };
     const auto tells = [&](const SweepPoint& point) { return !motion(point).empty() && motion(point) != "steady"; };
     if (std::ranges::any_of(sweep.up, tells) || std::ranges::any_of(sweep.down, tells))
       result["motion"] = both([&](const auto& points) {
