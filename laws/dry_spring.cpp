@@ -29,7 +29,8 @@ class DrySpringContact final : public Contact<double> {
                  Slopes<double>& slopes) const override {
     evaluate(in, z, g, F);
     const double N = carried(in.normal_load), k = stiffness(N), c = damping(N);
-    const double k_N = k * k * spring_.compliance_per_load / (N * N), c_N = spring_.damping_per_load;
+    const double of_load = spring_.compliance_per_load;
+    const double k_N = of_load == 0 ? 0 : (k / N) * (k / N) * of_load, c_N = spring_.damping_per_load;
     if (in.direction == 0) {
       slopes.g_z[0] = slopes.g_N[0] = 0, slopes.g_u[0] = 1;
       slopes.F_z[0] = k, slopes.F_u = c, slopes.F_N = k_N * z[0] + c_N * in.slip_rate;

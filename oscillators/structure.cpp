@@ -114,6 +114,35 @@ void check_regions(const Structure& structure) {
   }
 }
 
+/// The slip of a contact behind a spring needs the rate of its load, which must not hold accelerations.
+void check_spring_beside(const FrictionContact& contact, std::size_t number) {
+  constexpr double somewhat = 1e-6;  // m
+  if (!contact.law->set_valued())
+    throw InputError(fmt::format(
+        "contact {}: under law '{}' contact stiffness does not go with a load that follows motion; it does with laws "
+        "that stick",
+        number, contact.law->card().name));
+  if (contact.normal_law->at(somewhat, 0, 1).bound_by_rate != 0)
+    throw InputError(fmt::format(
+        "contact {}: contact stiffness needs friction that is a part of what the approach alone gives, and here "
+        "damping adds to it; give normal_contact as a power law with bound = \"elastic\"",
+        number));
+}
+
+void check_ring(const FrictionContact& contact, std::size_t number) {
+  const auto refuse = [&](const char* why) { throw InputError(fmt::format("contact {}: a ring {}", number, why)); };
+  if (contact.frictionless() || contact.normal.cols() != 1)
+    refuse("needs normal and tangential, the directions where it is touched along the first");
+  if (contact.face || profile_under(contact.normal_law.get())) refuse("does not go with a profile");
+  if (!(contact.gap.size() == 1 && contact.gap[0] > 0)) refuse("needs a gap above 0: its clearance, m");
+  if (!contact.normal_load.constant() || contact.normal_load.level() * contact.load_factor != 0)
+    refuse("takes no dead load, which has no direction in it: give normal_load = 0 (N), and loads as oscillator.force");
+  if (contact.law->set_valued() && !contact.stiffness.present())
+    refuse(
+        "turns the direction of stick with the motion, which rigid stick does not follow: give law.contact_stiffness, "
+        "a law with a bristle, or solver.smoothing");
+}
+
 /// Rates of several coordinates without mass and contact follow from their dampers together.
 void check_rates_without_mass(const Structure& structure) {
   std::vector<int> without;
@@ -195,14 +224,15 @@ void Structure::check() const {
       const auto* profile = profile_under(contact.normal_law.get());
       if (profile && (contact.face || profile->stations() != stations))
         throw InputError(fmt::format("contact {}: its profile needs stations that stay where they are", j + 1));
-      if (contact.stiffness.present() || contact.load_memory > 0)
-        throw InputError(fmt::format(
-            "contact {}: a load that follows motion does not go with contact stiffness and load memory", j + 1));
+      if (contact.load_memory > 0)
+        throw InputError(fmt::format("contact {}: a load that follows motion does not go with load memory", j + 1));
+      if (contact.stiffness.present()) check_spring_beside(contact, j + 1);
     }
     if (const auto why = laws::refusal_of_spring(*contact.law, contact.stiffness.damped());
         contact.stiffness.present() && !why.empty())
       throw InputError(fmt::format("law.contact_stiffness of contact {} does not go with law '{}'{}", j + 1,
                                    contact.law->card().name, why));
+    if (contact.ring) check_ring(contact, j + 1);
     if (contact.law->set_valued() && !contact.frictionless() && !contact.stiffness.present()) set_valued.push_back(j);
   }
   check_regions(*this);

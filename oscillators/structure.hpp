@@ -37,6 +37,12 @@ struct FrictionContact {
     std::vector<GaussPoint> points;
   };
   std::optional<Face> face = {};
+  /// A ring around a point: the directions n and t are those of the ring where it is touched along n, and turn with the
+  /// point. With x = nᵀ q − c₁ and y = tᵀ q − c₂ the approach is √(x² + y²) − gap, along (x n + y t)/√(x² + y²).
+  struct Ring {
+    double centre[2] = {0, 0};  ///< c₁ and c₂, m
+  };
+  std::optional<Ring> ring = {};
   /// Direction in which the load N₀ acts on the structure; empty: along n, of a contact of one station.
   Eigen::VectorXd load_along;
 

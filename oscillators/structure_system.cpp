@@ -80,7 +80,10 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
     for (std::size_t j = 0; j < contacts.size(); ++j)
       if ((contacts[j].law->set_valued() && !at_[j].is_elastic()) == holds) order.push_back(int(j));
   std::vector<FrictionContact> ordered;
-  for (const int j : order) ordered.push_back(contacts[j]);
+  for (const int j : order) {
+    ordered.push_back(contacts[j]);
+    if (contacts[j].ring) ordered.back().tangential.setZero();  // no speed belongs to a direction that turns
+  }
   const auto rows = rows_of_contacts(ordered);
   for (std::size_t i = 0; i < order.size(); ++i) at_[order[i]].row = rows[i];
 
@@ -104,7 +107,8 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
   for (std::size_t s = 0; s < station_.size(); ++s) station_[s].normal = normal_[int(s)];
   along_ = VectorXd::Ones(n_);
   contact_of_row_.assign(n_, -1);
-  is_diagonal_ = structure_.M.isDiagonal(0);
+  is_diagonal_ =
+      structure_.M.isDiagonal(0) && std::ranges::none_of(contacts, [](const auto& c) { return bool(c.ring); });
   for (int j = 0; j < friction_contacts(); ++j)
     if (const int row = at_[j].row; row >= 0) {
       along_[row] = -1, contact_of_row_[row] = j;
@@ -139,7 +143,7 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
     at.first = next;
     next += at.contact->unknowns();
     if (law.set_valued()) switching_.push_back(int(j));
-    const auto [N, rate] = load(int(j), 0);
+    const double N = at.natural_load = natural_load(int(j));
     const VectorXd& t = contact.tangential;
     const double holds = law.set_valued() && !law.has_states() ? N * law.static_limit(N) : N * 0.5;
     // Without a drive slip is as fast as what the contact holds makes the structure, in a second what nothing holds.
@@ -268,10 +272,48 @@ StructureSystem::Load StructureSystem::load(int contact, double t) const {
 
 StructureSystem::Load StructureSystem::load(int contact, double t, const double* y) const {
   if (!follows_motion(contact)) return load(contact, t);
-  double bound = 0;
-  for (const Station& s : stations(contact, y)) bound += s.area * answer(contact, s, t, y).bound;
-  // A law never sees the rate of a load that holds accelerations: what would ask for it is refused.
-  return {bound, 0};
+  Load load{0, 0};
+  for (const Station& s : stations(contact, y)) {
+    const auto answer = this->answer(contact, s, t, y);
+    load.level += s.area * answer.bound;
+    // A law never sees the rate of a load that holds accelerations: what would ask for it is refused.
+    if (at_[contact].is_elastic()) load.rate += s.area * answer.bound_by_approach * approach_rate(s, t, y);
+  }
+  return load;
+}
+
+/// N₀, or what presses a contact that motion alone presses: the structure's own springs, taken through its gap.
+double StructureSystem::natural_load(int contact) const {
+  const double N = load(contact, 0).level;
+  if (N > 0 || !follows_motion(contact)) return N;
+  const VectorXd n = structure_.contacts[contact].normal.col(0);
+  const double gap = std::abs(station_[at_[contact].first_station].gap);
+  return gap * n.dot(structure_.K * n) / n.squaredNorm();
+}
+
+StructureSystem::Turn StructureSystem::turn(int contact, const double* y) const {
+  const auto& centre = structure_.contacts[contact].ring->centre;
+  const double along_n = normal_[at_[contact].first_station].times(y) - centre[0],
+               along_t = tangential_[contact].times(y) - centre[1], radius = std::hypot(along_n, along_t);
+  if (radius == 0) return {1, 0, 0};  // where nothing is touched
+  return {along_n / radius, along_t / radius, 1 / radius};
+}
+
+VectorXd StructureSystem::tangential(int contact, const double* y) const {
+  const auto& of = structure_.contacts[contact];
+  if (!of.ring) return of.tangential;
+  const auto [cosine, sine, curvature] = turn(contact, y);
+  return cosine * of.tangential - sine * of.normal.col(0);
+}
+
+VectorXd StructureSystem::turned_normal(int contact, const double* y) const {
+  const auto& of = structure_.contacts[contact];
+  const auto [cosine, sine, curvature] = turn(contact, y);
+  return cosine * of.normal.col(0) + sine * of.tangential;
+}
+
+double StructureSystem::speed_along(int contact, const double* y, const VectorXd& velocity) const {
+  return structure_.contacts[contact].ring ? tangential(contact, y).dot(velocity) : along(contact, velocity);
 }
 
 /// Of the part of a rigid face that touches: Gauss points in the root of the distance from the place where the approach
@@ -279,6 +321,16 @@ StructureSystem::Load StructureSystem::load(int contact, double t, const double*
 StructureSystem::Stations StructureSystem::stations(int contact, const double* y) const {
   const Station* fixed = station_.data();
   Stations whole(fixed + at_[contact].first_station, fixed + at_[contact].end_station);
+  if (const auto& ring = structure_.contacts[contact].ring) {
+    const auto& [area, gap, preloaded, normal] = station_[at_[contact].first_station];
+    const auto [cosine, sine, curvature] = turn(contact, y);
+    std::vector<SparseRows::Entry> entries;
+    const VectorXd turned = turned_normal(contact, y);
+    for (int i = 0; i < n_; ++i)
+      if (turned[i] != 0) entries.push_back({i, turned[i]});
+    const double from_centre = gap + cosine * ring->centre[0] + sine * ring->centre[1];
+    return {{{area, from_centre, preloaded, {entries.data(), entries.data() + entries.size()}}}, std::move(entries)};
+  }
   const auto& face = structure_.contacts[contact].face;
   if (!face) return whole;
   const Eigen::Map<const VectorXd> q(y, n_);
@@ -391,7 +443,8 @@ void StructureSystem::kinks(double t, const double* y, std::vector<double>& valu
     if (at.states > 0 && !law(j).set_valued()) values.push_back(contact_slip_rate(j, t, y) / at.reference_speed);
     // Many stations together answer smoothly.
     if (at.end_station - at.first_station != 1) continue;
-    const Station& s = station_[at.first_station];
+    const Stations only = stations(j, y);
+    const Station& s = *only.begin();
     double size = 0, speed = 0;
     for (const auto& [i, value] : s.normal)
       size += std::abs(value) * coordinate_scale_[i], speed += std::abs(value) * speed_scale_[i];
@@ -450,6 +503,7 @@ Eigen::VectorXd StructureSystem::acceleration(double t, const double* y) const {
 double StructureSystem::slip_rate(int contact, double t, const double* y) const {
   if (at_[contact].row >= 0) return y[n_ + at_[contact].row];
   const double V = structure_.contacts[contact].speed.value(t);
+  if (structure_.contacts[contact].ring) return V - speed_along(contact, y, velocity(t, y));
   if (!is_diagonal_) return V - structure_.contacts[contact].tangential.dot(velocity(t, y));
   double along = 0;
   for (const auto& [i, value] : tangential_[contact]) along += value * velocity_of(i, t, y);
@@ -463,7 +517,7 @@ double StructureSystem::contact_slip_rate(int contact, double t, const double* y
   if (at.is_elastic()) {
     if (at.mode == ContactMode::stick) return 0;
     const double u = slip_rate(contact, t, y);
-    const auto [N, N_rate] = load(contact, t);
+    const auto [N, N_rate] = load(contact, t, y);
     double stretching, F;  // of a spring at its limit: with the load
     at.contact->evaluate({u, N, N_rate, sign(at.mode)}, y + at.first, &stretching, F);
     if (!at.is_damped())
@@ -514,7 +568,10 @@ Eigen::VectorXd StructureSystem::forces_of_others(double t, const double* y, dou
                              f ? f + at_[j].first : g, F);
     if (f && at_[j].creep > 0) f[at_[j].first] -= at_[j].creep * y[at_[j].first];
     if (stuck) continue;
-    for (const auto& [i, value] : tangential_[j]) R[i] += F * value;
+    if (structure_.contacts[j].ring)
+      R += F * tangential(j, y);
+    else
+      for (const auto& [i, value] : tangential_[j]) R[i] += F * value;
   }
   return R;
 }
@@ -602,7 +659,7 @@ void StructureSystem::linearise(double t, const double* y, double* f, double* ja
   }
   for (int j = 0; j < friction_contacts(); ++j) {
     const At& at = at_[j];
-    const VectorXd& direction = structure_.contacts[j].tangential;
+    const VectorXd direction = tangential(j, y);
     const int nz = at.contact->unknowns();
     const auto [N, rate] = load(j, t, y);
     const bool stuck = sticks(j);
@@ -634,6 +691,7 @@ void StructureSystem::linearise(double t, const double* y, double* f, double* ja
       }
     }
     if (stuck) continue;
+    if (structure_.contacts[j].ring) add_turning(j, t, y, F, slopes, R_q, J);
     Eigen::RowVectorXd u_w = Eigen::RowVectorXd::Zero(n_);
     if (at.row >= 0)
       u_w[at.row] = 1;
@@ -649,15 +707,35 @@ void StructureSystem::linearise(double t, const double* y, double* f, double* ja
   J.block(n_, n_, n_, n_) = acceleration_ * R_w;
 }
 
+/// What the turning of a ring's directions adds: dn = κ t tᵀ dq and dt = −κ n tᵀ dq, with κ the curvature, turn the
+/// forces and, of velocities, the slip rate and the approach rate.
+void StructureSystem::add_turning(int j, double t, const double* y, double F, const Slopes<double>& slopes,
+                                  MatrixXd& R_q, Eigen::Ref<RowMajor> J) const {
+  const At& at = at_[j];
+  const Stations only = stations(j, y);
+  const Station& station = *only.begin();
+  const double curvature = turn(j, y).curvature;
+  const auto answer = this->answer(j, station, t, y);
+  const VectorXd along = tangential(j, y), normal = turned_normal(j, y), v = velocity(t, y);
+  const double u_turn = curvature * normal.dot(v), rate_turn = curvature * along.dot(v);
+  const double N_turn = station.area * answer.bound_by_rate * rate_turn;
+  const double by_normal = -curvature * F - station.area * answer.pressure_by_rate * rate_turn,
+               by_tangent = -curvature * push_back(j, station, t, answer) + slopes.F_u * u_turn + slopes.F_N * N_turn;
+  R_q += (by_normal * normal + by_tangent * along) * along.transpose();
+  for (int a = 0; a < at.contact->unknowns(); ++a)
+    J.block(at.first + a, 0, 1, n_) += (slopes.g_u[a] * u_turn + slopes.g_N[a] * N_turn) * along.transpose();
+}
+
 void StructureSystem::held(double t, const double* y, Held* held) const {
   constexpr double digits = 8 * std::numeric_limits<double>::epsilon();
   for (int i = 0; i < contacts(); ++i) {
     const At& at = at_[switching_[i]];
     if (!at.is_elastic() || at.mode != ContactMode::stick) continue;
-    const auto [N, rate] = load(switching_[i], t);
+    const auto [N, rate] = load(switching_[i], t, y);
     double F, stretching;
     at.contact->evaluate({slip_rate(switching_[i], t, y), N, rate, 0}, y + at.first, &stretching, F);
-    const double limit = at.limit_at_rest(N, y + at.first);
+    constexpr double nothing = 1e-10;  // of the natural load: the contact opens or closes
+    const double limit = N > nothing * at.natural_load ? at.limit_at_rest(N, y + at.first) : 0;
     held[i] = {F, limit, digits * (limit + std::abs(F))};
   }
   const bool any = std::ranges::any_of(switching_, [&](int j) { return sticks(j); });
@@ -923,7 +1001,8 @@ StructureSystem::Balance StructureSystem::balance(double t, double part, VectorX
     for (int j = 0; j < friction_contacts(); ++j) {
       const auto& contact = structure_.contacts[j];
       const double N = load(j, t, y.data()).level, F = friction(j, N);
-      for (const auto& [i, value] : tangential_[j]) residual[i] += F * value, size[i] += std::abs(F) * std::abs(value);
+      const VectorXd direction = tangential(j, y.data());
+      residual += F * direction, size += std::abs(F) * direction.cwiseAbs();
       if (!follows_motion(j)) continue;
       if (const auto& along = contact.load_along; along.size() > 0)
         residual += load(j, t).level * along, size += std::abs(load(j, t).level) * along.cwiseAbs();
@@ -935,8 +1014,10 @@ StructureSystem::Balance StructureSystem::balance(double t, double part, VectorX
         const VectorXd normal = s.normal.dense(n_);
         residual -= away * normal;
         size += std::max(std::abs(away), s.area * std::abs(answer.pressure)) * normal.cwiseAbs();
-        slope += s.area * (answer.pressure_by_approach * normal - F_N * answer.bound_by_approach * contact.tangential) *
+        slope += s.area * (answer.pressure_by_approach * normal - F_N * answer.bound_by_approach * direction) *
                  normal.transpose();
+        if (contact.ring)
+          slope += turn(j, y.data()).curvature * (away * direction + F * normal) * direction.transpose();
       }
     }
   };
@@ -1003,7 +1084,7 @@ std::vector<double> StructureSystem::steady(double t) const {
   auto start = unknowns_at(t, q, VectorXd::Zero(n_));
   for (int j = 0; j < friction_contacts(); ++j) {
     const At& at = at_[j];
-    const double N = load(j, t).level;
+    const double N = load(j, t, start.data()).level;
     if (at.rigid()) continue;
     const double F = steady_friction(j, t, N);
     if (at.carries_friction()) start[at.first] = F / N;

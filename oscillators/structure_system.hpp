@@ -112,11 +112,13 @@ class StructureSystem final : public SwitchingSystem {
   double slip_rate(int friction_contact, double t, const double* y) const;
   /// The slip rate of the contact itself, equal to slip_rate() where no spring is in series with it.
   double contact_slip_rate(int friction_contact, double t, const double* y) const;
-  /// What t of a contact takes of a vector of the coordinates, tᵀ x.
+  /// What t of a contact takes of a vector of the coordinates, tᵀ x; of a ring where it is touched along its n.
   template <class Vector>
   double along(int friction_contact, const Vector& x) const {
     return tangential_[friction_contact].times(x);
   }
+  /// tᵀ q̇ where the contact stands (m/s), of velocities that are those of y.
+  double speed_along(int friction_contact, const double* y, const Eigen::VectorXd& velocity) const;
   const SparseRows& stiffness() const { return K_; }
   const SparseRows& damping() const { return C_; }
   /// Forces of the contacts on the structure, each along its t (N): friction_contacts() entries.
@@ -149,7 +151,7 @@ class StructureSystem final : public SwitchingSystem {
     int first = 0;  ///< of its unknowns
     int first_station = 0, end_station = 0;
     double area = 1;  ///< of all its stations
-    double reference_speed = 0;
+    double reference_speed = 0, natural_load = 0;
     ContactMode mode = ContactMode::forward;
     /// Slip rate (m/s) below which friction follows from the force that would hold the contact; 0 of most laws.
     double region = 0;
@@ -160,7 +162,8 @@ class StructureSystem final : public SwitchingSystem {
     double level, rate;
   };
   Load load(int contact, double t) const;  ///< prescribed, or N₀
-  /// What friction is a part of: prescribed, or the bound that follows motion along the normal.
+  /// What friction is a part of: prescribed, or the bound that follows motion along the normal, whose rate is that of
+  /// the approach alone, for contacts behind a spring.
   Load load(int contact, double t, const double* y) const;
   struct Station {  ///< of a contact whose load follows motion
     double area, gap;
@@ -184,11 +187,21 @@ class StructureSystem final : public SwitchingSystem {
     const Station *begin_, *end_;
   };
   Stations stations(int contact, const double* y) const;
+  /// How far the directions of a ring are turned from those where it is touched along n.
+  struct Turn {
+    double cosine, sine;
+    double curvature;  ///< 1/m, of the circle on which the point stands
+  };
+  Turn turn(int contact, const double* y) const;
+  /// t and n in y.
+  Eigen::VectorXd tangential(int contact, const double* y) const;
+  Eigen::VectorXd turned_normal(int contact, const double* y) const;
   NormalAnswer answer(int contact, const Station&, double t, const double* y) const;
   /// What the normal forces of the contact push the structure back with, beyond N₀ (N).
   double push_back(int contact, const Station&, double t, const NormalAnswer&) const;
   /// N₀ as a force of one station, or as its pressure.
   double preload(int contact, double t) const { return load(contact, t).level / at_[contact].area; }
+  double natural_load(int contact) const;
   double normal_stiffness(int contact, int coordinate) const;
   double stiffness_at(int coordinate) const;
   double velocity_of(int coordinate, double t, const double* y) const;
@@ -214,6 +227,8 @@ class StructureSystem final : public SwitchingSystem {
   bool is_at_limit(const At& at) const { return at.is_elastic() && at.mode != ContactMode::stick && !at.is_damped(); }
   Eigen::VectorXd speeds_of_surfaces(double t) const;
   Eigen::VectorXd accelerations_of_surfaces(double t) const;
+  void add_turning(int contact, double t, const double* y, double F, const Slopes<double>& slopes, Eigen::MatrixXd& R_q,
+                   Eigen::Ref<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> jacobian) const;
   Eigen::VectorXd forces_without_stick(double t, const double* y, double* contact_rows) const;
   Eigen::VectorXd forces_of_others(double t, const double* y, double* contact_rows) const;
   /// The force that would hold a contact on its own coordinate, where all others exert R.

@@ -29,7 +29,7 @@ PeriodRecord::PeriodRecord(const StructureSystem& system, double tolerance, doub
       slips_.push_back(j);
       slip_.emplace_back(slip_seen(system, j), system.size(), tolerance, stick_threshold);
     }
-  distance_.assign(slips_.size(), 0.0);
+  distance_.assign(slips_.size(), 0.0), wear_.assign(slips_.size(), 0.0);
   high_.assign(record.names.size(), -infinity), low_.assign(record.names.size(), infinity);
   mean_.assign(record.names.size(), 0.0);
   stick_.assign(system.contacts(), 0.0);
@@ -51,6 +51,8 @@ void PeriodRecord::add(Follower::Step& step, std::span<const Follower::Event> sw
     for (std::size_t c = 0; c < row.size(); ++c) steps_[c][node] = row[c];
     if (node == 0) continue;
     for (std::size_t c = 0; c < row.size(); ++c) mean_[c] += tableau.b[node - 1] * step.length() * row[c];
+    for (std::size_t k = 0; k < slips_.size(); ++k)
+      wear_[k] += tableau.b[node - 1] * step.length() * wear_rate(slips_[k], t, y.data());
     system_.friction_forces(t, y.data(), force_.data());
     for (int j = 0; j < system_.friction_contacts(); ++j)
       heat_ += tableau.b[node - 1] * step.length() * force_[j] * system_.slip_rate(j, t, y.data());
@@ -117,6 +119,11 @@ double PeriodRecord::look_between(Follower::Step& step, std::size_t column, doub
   return std::max(best, known);
 }
 
+/// N |v| of a contact (W).
+double PeriodRecord::wear_rate(int j, double t, const double* y) const {
+  return system_.normal_load(j, t, y) * std::abs(system_.contact_slip_rate(j, t, y));
+}
+
 void PeriodRecord::add_slip(Follower::Step& step) {
   for (std::size_t k = 0; k < slip_.size(); ++k) {
     const auto column = [&](const char* name) {
@@ -150,6 +157,7 @@ void PeriodRecord::add_slip_metrics(int k, double duration) {
   add("stick_fraction_001", slip.time_within[1] / duration, "1", "part of the period with |v| <= 0.01 V");
   add("stick_fraction_05", slip.time_within[2] / duration, "1", "part of the period with |v| <= 0.5 V");
   add("slip_distance", distance_[k], "m", "distance slipped in a period");
+  add("wear_work_rate", wear_[k] / duration, "W", "mean of load times slip rate");
   const bool backwards = system_.structure().contacts[j].speed.level() < 0;
   const auto largest = [&](const char* name) {
     const auto of = motion::numbered(system_, name, j);
@@ -215,6 +223,7 @@ void PeriodRecord::add_harmonics(int i, double duration, const std::vector<Place
 
 void PeriodRecord::stand(const double* y) {
   record.observe(0, y, mean_);
+  for (std::size_t k = 0; k < slips_.size(); ++k) wear_[k] = wear_rate(slips_[k], 0, y);
   high_ = low_ = mean_;
 }
 

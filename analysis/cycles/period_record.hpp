@@ -33,6 +33,7 @@ class PeriodRecord {
 
  private:
   double look_between(motion::Follower::Step&, std::size_t column, double sign);
+  double wear_rate(int contact, double t, const double* y) const;
   void add_slip(motion::Follower::Step&);
   void add_metric(std::string name, double value, std::string unit, std::string meaning);
   void add_slip_metrics(int friction_contact, double duration);
@@ -52,6 +53,7 @@ class PeriodRecord {
   std::vector<SlipRecord> slip_;  ///< of the contacts with friction
   std::vector<int> slips_;        ///< the contact of each
   std::vector<double> distance_;  ///< slipped by each, m
+  std::vector<double> wear_;      ///< ∫ N |v| dt of each, J
   std::vector<double> length_;    ///< of the steps, s
   double heat_ = 0, moment_ = 0;
 };

@@ -97,11 +97,13 @@ void run_algorithm(const Model& model, const DryOscillator& oscillator, const Ru
   for (auto& [name, error] : result.metric_error)
     error = std::abs(result.metrics.at(name) - exact.metrics.at(name)) + exact.metric_error.at(name);
 
-  double stick_time = 0, work = 0, most_back_steps = 0, false_starts = 0;
+  double stick_time = 0, work = 0, wear = 0, most_back_steps = 0, false_starts = 0;
   for (std::size_t n = 1; n < points.size(); ++n) {
     const double h = points[n].time - points[n - 1].time;
     if (points[n - 1].state == State::stick) stick_time += h;
-    work += h * std::abs(points[n - 1].friction[0] * (points[n - 1].v[0] + points[n].v[0] - 2 * V) / 2);
+    const double slip_rate = (points[n - 1].v[0] + points[n].v[0] - 2 * V) / 2;
+    work += h * std::abs(points[n - 1].friction[0] * slip_rate);
+    wear += h * oscillator.load.value(points[n - 1].time) * std::abs(slip_rate);
   }
   for (const auto& stick : track.sticks) {
     most_back_steps = std::max(most_back_steps, double(stick.back_steps));
@@ -112,6 +114,7 @@ void run_algorithm(const Model& model, const DryOscillator& oscillator, const Ru
   result.metrics["false_starts"] = false_starts;
   result.metrics["most_back_steps"] = most_back_steps;
   result.metrics["friction_work"] = work;
+  result.metrics["wear_work_rate"] = wear / points.back().time;
   result.cost.steps = static_cast<long>(points.size()) - 1;
   result.why += fmt::format("; steps of {:.6g} s", step);
 }

@@ -160,6 +160,7 @@ void run_exactly(const Model& model, const DryOscillator& oscillator, const RunO
   metrics["stick_time"] = double(fine_solver.stick_time());
   if (fine_solver.audits()) {
     metrics["friction_work"] = double(works.friction);
+    metrics["wear_work_rate"] = double(works.wear) / end;
     metrics["damper_work"] = double(works.damper);
     metrics["force_work"] = double(works.force);
     metrics["surface_work"] = double(works.surface);

@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
+#include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -224,6 +225,7 @@ class SliderPass {
   std::vector<RunEvent> events_;
   Run::Cost cost_;
   std::map<std::string, double> metrics_;
+  double wear_ = 0;                ///< J, ∫ N |v| dt
   std::string handover_;           ///< message on the change from explicit steps to collocation
   double slip_rate_error_ = 0;     ///< m/s, error of the slip rate from errors of the unknowns by the tolerance
   double slip_rate_rounding_ = 0;  ///< m/s, error of the slip rate from rounding of the forces, over the damping
@@ -358,6 +360,7 @@ class SliderPass {
       if (t == next) system_.cross_break(t, y.data());
       if (t >= end) {
         record_.rest(end, true, at(y));
+        metrics_["wear_work_rate"] = wear_ / end;
         return {};
       }
     }
@@ -403,7 +406,18 @@ class SliderPass {
         low = theta, before = here;
       }
     }
+    add_wear<7>(t0, step.time(), y, [&](double t) { step.interpolate((t - t0) / h, y.data()); });
     record_.step(step, [this](double t, const double* z, double* row) { observe(t, z, row); });
+  }
+
+  /// ∫ N |v| dt over a step. \param go_to  puts the state at a time of it into y
+  template <unsigned points, class GoTo>
+  void add_wear(double t0, double t1, const std::vector<double>& y, GoTo go_to) {
+    const auto rate = [&](double t) {
+      go_to(t);
+      return system_.model().drive.normal_load.value(t) * std::abs(system_.contact_slip_rate(t, y.data()));
+    };
+    wear_ += boost::math::quadrature::gauss<double, points>::integrate(rate, t0, t1);
   }
 
   /// The same for an explicit step. Under a constant drive slip reverses at most once in a step, and the signs at its
@@ -428,6 +442,7 @@ class SliderPass {
       }
       low = high, before = here;
     }
+    add_wear<3>(t0, t1, y, [&](double t) { step.approximate(t, y.data()); });
     record_.step(
         t0, t1, step.inner_times(),
         [&](double t, double* row) {
@@ -527,6 +542,7 @@ class SliderPass {
                                                                solver.state().data(), solver.time() - before)));
       const double h = solver.time() - before;
       const double inside[] = {before + 0.25 * h, before + 0.5 * h, before + 0.75 * h};
+      add_wear<3>(before, solver.time(), z, [&](double t) { solver.interpolate(t, z.data()); });
       record_.step(before, solver.time(), inside, [&](double t, double* row) {
         solver.interpolate(t, z.data());
         observe(t, z.data(), row);
@@ -800,6 +816,11 @@ void run_twice(const Model& model, const RunOptions& options, double stick_thres
   result.events = std::move(fine->events_);
   state_event_errors(result, coarse->events_, {rules.front().times, rules.front().least}, options.tolerance);
   for (const auto& [name, value] : fine->metrics_) result.metrics[name] = value;
+  if (const auto wear = fine->metrics_.find("wear_work_rate"); wear != fine->metrics_.end()) {
+    const auto other = coarse->metrics_.find(wear->first);
+    const double difference = other != coarse->metrics_.end() ? std::abs(other->second - wear->second) : infinity;
+    result.metric_error[wear->first] = rules[slip_rate].error(difference, wear->second);
+  }
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ class EnergyAudit {
         skew_((system.structure().K - system.structure().K.transpose()) / 2),
         force_(system.friction_contacts()),
         y_(system.size()) {
-    for (auto* sums : {&impulse, &pressed, &open_time}) sums->assign(system.friction_contacts(), 0.0);
+    for (auto* sums : {&impulse, &pressed, &open_time, &wear}) sums->assign(system.friction_contacts(), 0.0);
   }
 
   double energy(double t, const double* y) const {
@@ -42,6 +42,7 @@ class EnergyAudit {
   }
   /// The last step, in the modes that it was taken in.
   void add(const solvers::steps::Collocation& step) {
+    duration += step.length();
     if (!system_.structure().sampled.empty()) add_sample(step);
     const Structure& structure = system_.structure();
     for (int i = 0; i < solvers::steps::Collocation::stages; ++i) {
@@ -58,11 +59,13 @@ class EnergyAudit {
       add(system_.stop_power(t, y_.data()));
       add(system_.limit_power(t, y_.data()));
       for (int j = 0; j < system_.friction_contacts(); ++j) {
+        const double N = system_.normal_load(j, t, y_.data());
+        wear[j] += weight * N * std::abs(system_.contact_slip_rate(j, t, y_.data()));
         if (system_.follows_motion(j)) {
-          impulse[j] += weight * force_[j], pressed[j] += weight * system_.normal_load(j, t, y_.data());
+          impulse[j] += weight * force_[j], pressed[j] += weight * N;
           open_time[j] += weight * system_.open_fraction(j, t, y_.data());
         }
-        add(force_[j] * system_.along(j, v));
+        add(force_[j] * system_.speed_along(j, y_.data(), v));
         heat += weight * force_[j] * system_.slip_rate(j, t, y_.data());
       }
       work_ += weight * power;
@@ -89,6 +92,8 @@ class EnergyAudit {
   }
   std::vector<double> impulse, pressed;  ///< N s, of friction and of the load of each contact
   std::vector<double> open_time;         ///< s, by the part of its area that was open
+  std::vector<double> wear;              ///< J, ∫ N |v| dt of each contact
+  double duration = 0;                   ///< s
   double heat = 0;                       ///< J, that friction has turned slip into
   double impacts = 0;                    ///< J, lost in impacts
 
@@ -157,7 +162,7 @@ std::vector<SlipColumns> slip_columns(const StructureSystem& system, const Struc
   std::vector<SlipColumns> list;
   for (int j = 0; j < system.friction_contacts(); ++j) {
     const auto& contact = system.structure().contacts[std::size_t(j)];
-    if (contact.frictionless() || !contact.speed.constant()) continue;
+    if (contact.frictionless() || contact.ring || !contact.speed.constant()) continue;
     const auto slip_rate = std::ranges::find(columns.names, numbered(system, "slip_rate", j)) - columns.names.begin();
     list.push_back({.slip_rate = std::size_t(slip_rate),
                     .displacement = columns.names.size() + std::size_t(j),
@@ -339,6 +344,13 @@ Run run_structure(const StructureModel& model, const RunOptions& options, double
     if (fine->energy.pressed[j] > 0 && !model.structure.contacts[j].frictionless())
       result.metrics[numbered(fine->system, "apparent_friction", j)] =
           fine->energy.impulse[j] / fine->energy.pressed[j];
+  }
+  for (int j = 0; j < fine->system.friction_contacts(); ++j) {
+    if (model.structure.contacts[j].frictionless()) continue;
+    const auto rate = [&](const StructurePass& pass) { return pass.energy.wear[j] / pass.energy.duration; };
+    const auto name = numbered(fine->system, "wear_work_rate", j);
+    const double here = result.metrics[name] = rate(*fine);
+    result.metric_error[name] = coarse ? rule.error(std::abs(here - rate(*coarse)), here) : infinity;
   }
   result.metrics["friction_work"] = fine->energy.heat;
   if (fine->system.stops() > 0) result.metrics["impact_work"] = fine->energy.impacts;

@@ -27,6 +27,11 @@ const oscillators::FrictionContact& friction_contact(const Structure& structure,
   if (chosen.frictionless())
     throw InputError(fmt::format(
         "frf.contact = {}: that contact presses without friction, which has no response to slip rate", contact + 1));
+  if (chosen.ring)
+    throw InputError(
+        fmt::format("frf.contact = {}: inside a ring the direction of slip turns with the motion, and a response to "
+                    "slip rate has none",
+                    contact + 1));
   return chosen;
 }
 

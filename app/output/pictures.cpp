@@ -177,6 +177,39 @@ Figure path_of(const scene::Scene& scene, const analysis::motion::Run& run) {
   return figure;
 }
 
+/// The path inside the ring of a contact, and the circle on which it touches.
+Figure path_in_ring(const scene::Scene& scene, const analysis::motion::Run& run, std::size_t contact) {
+  const auto& of = scene.structure->structure.contacts[contact];
+  const std::string name = fmt::format("run-path-{}", contact + 1);
+  auto figure = figure_of(scene, name, fmt::format("The path inside the ring of contact {}", contact + 1));
+  figure.width = 640, figure.height = 480;
+  std::vector<double> x, y, circle_x, circle_y;
+  Extent all;
+  for (std::size_t i = 0; i < run.time.size(); ++i) {
+    double along_normal = 0, along_tangent = 0;
+    for (Eigen::Index k = 0; k < of.tangential.size(); ++k) {
+      const double q = run.columns[std::size_t(k)][i];
+      along_normal += of.normal(k, 0) * q, along_tangent += of.tangential[k] * q;
+    }
+    x.push_back(along_normal), y.push_back(along_tangent);
+    all.include(x.back()), all.include(y.back());
+  }
+  constexpr int parts = 120;
+  for (int i = 0; i <= parts; ++i) {
+    const double angle = 2 * std::numbers::pi * i / parts;
+    circle_x.push_back(of.ring->centre[0] + of.gap[0] * std::cos(angle));
+    circle_y.push_back(of.ring->centre[1] + of.gap[0] * std::sin(angle));
+    all.include(circle_x.back()), all.include(circle_y.back());
+  }
+  figure.tables = {{name + ".csv", {{"x (m)", x}, {"y (m)", y}}},
+                   {name + "-ring.csv", {{"x (m)", circle_x}, {"y (m)", circle_y}}}};
+  figure.panels = {{.x = {.name = "along the normal", .unit = "m", .shown = all},
+                    .y = {.name = "along the tangent", .unit = "m", .shown = all, .before = 0, .after = 0},
+                    .lines = {{.table = name + ".csv", .title = "path"},
+                              {.table = name + "-ring.csv", .look = {.style = reference_style}, .title = "touches"}}}};
+  return figure;
+}
+
 }  // namespace
 
 /// Every column that tells against time, with the events, the drive, and a strip of stick and slip.
@@ -224,6 +257,10 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   auto files = write(folder, figure);
   if (scene.plane)
     for (auto& file : write(folder, path_of(scene, run))) files.push_back(std::move(file));
+  if (scene.structure)
+    for (std::size_t j = 0; j < scene.structure->structure.contacts.size(); ++j)
+      if (scene.structure->structure.contacts[j].ring)
+        for (auto& file : write(folder, path_in_ring(scene, run, j))) files.push_back(std::move(file));
   return files;
 }
 

@@ -74,6 +74,7 @@ const std::map<std::string, Known, std::less<>>& table() {
         {"amplitude", {"", "m", "half the range of the displacement"}},
         {"lyapunov", {"", "1/s", "largest Lyapunov exponent; positive: chaos"}},
         {"friction_work", {"", "J", "done by friction"}},
+        {"wear_work_rate", {"", "W", "load times slip rate, mean"}},
         {"event_time_error", {"", "s", "largest error of the time of an event"}},
         {"choices", {"", "1", "switches in which the order that contacts give way in decides what follows"}},
         {"path_length", {"", "m", "of the slider's way"}},

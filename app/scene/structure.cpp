@@ -188,6 +188,23 @@ void read_structure(SceneReader& reader, Table table, bool) {
   table.finish();
 }
 
+/// support and centre of a contact.
+std::optional<FrictionContact::Ring> read_ring(Table& table) {
+  const auto *support = table.find("support"), *centre = table.find("centre");
+  const bool is_ring = support && choice(*support, table.path("support"), {"flat", "ring"}) == "ring";
+  if (centre && !is_ring)
+    fail(centre->source(), "{} goes with support = \"ring\", whose centre it is", table.path("centre"));
+  if (!is_ring) return std::nullopt;
+  FrictionContact::Ring ring;
+  if (!centre) return ring;
+  const auto place = numbers(*centre, {table.path("centre"), "m", any_number, "centre of the ring"});
+  if (place.size() != 2)
+    fail(centre->source(), "{} has {} entries, but 2 are needed: along normal and along tangential",
+         table.path("centre"), place.size());
+  std::ranges::copy(place, ring.centre);
+  return ring;
+}
+
 /// Contacts come after the drive, which says what they do not.
 void read_drive_and_contacts(SceneReader& reader, Table drive, bool complete) {
   read_structure_drive(reader, drive, complete, false);
@@ -195,8 +212,8 @@ void read_drive_and_contacts(SceneReader& reader, Table drive, bool complete) {
   const auto& contacts = *reader.document.at_path("oscillator.contacts").node();
   for (const auto& element : list(contacts, "oscillator.contacts", "tables", most_names)) {
     Table table(element, fmt::format("oscillator.contacts.{}", structure.contacts.size() + 1));
-    table.expect(
-        {"tangential", "normal", "normal_contact", "gap", "profile", "law", "speed", "normal_load", "load_factor"});
+    table.expect({"tangential", "normal", "normal_contact", "gap", "support", "centre", "profile", "law", "speed",
+                  "normal_load", "load_factor"});
     const auto read_direction = [&](const toml::node& node, std::string_view key,
                                     const char* meaning) -> Eigen::VectorXd {
       const auto entries = numbers(node, {table.path(key), "1", any_number, meaning});
@@ -235,6 +252,7 @@ void read_drive_and_contacts(SceneReader& reader, Table drive, bool complete) {
       contact = std::move(pressed);
     }
     read_contact(reader, table, contact);
+    contact.ring = read_ring(table);
     read_profile_under(reader, table, contact);
     if (!tangential) contact.speed = 0.0;
     table.finish();

@@ -275,6 +275,17 @@ results::Result result_of(const Job& job, const analysis::motion::Run& run) {
 bool is_of_station(const std::string& name) { return name.starts_with("pressure_") || name.starts_with("slip_rate_"); }
 
 /// Of the second half of a motion by steps, each with its difference to half the step.
+/// Of contacts that open and close, whose wear is what one asks of them.
+void say_wear(const Job& job, const oscillators::Structure& structure, const analysis::motion::Run& run) {
+  const auto& contacts = structure.contacts;
+  for (std::size_t j = 0; j < contacts.size(); ++j) {
+    const auto name = contacts.size() > 1 ? fmt::format("wear_work_rate_{}", j + 1) : "wear_work_rate";
+    const auto found = run.metrics.find(name), error = run.metric_error.find(name);
+    if (contacts[j].normal.size() == 0 || found == run.metrics.end()) continue;
+    job.say("  {:<22} {}", name, justified(found->second, error == run.metric_error.end() ? 0 : error->second, "W"));
+  }
+}
+
 void say_averages(Job& job, const std::map<std::string, double>& metrics) {
   job.say("second half of the run:");
   const auto say = [&](const char* name, const char* meaning, const char* unit) {
@@ -328,6 +339,7 @@ Status perform_run(Job& job) {
       job.say(
           "  {:<22} ends at {}", run.column_names[c],
           justified(run.columns[c].back(), c < run.column_error.size() ? run.column_error[c] : 0, run.column_units[c]));
+  if (scene.structure) say_wear(job, scene.structure->structure, run);
   if (asked.stepping && run.metrics.contains("apparent_friction")) say_averages(job, run.metrics);
   if (lists_slips(run)) tell_of(job, result.tables.back());
   if (run.time.size() < 2) return job.finish(result);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "core/bracket.hpp"
+
 namespace rosin::solvers::force_algorithms {
 
 namespace {
@@ -25,25 +27,16 @@ Motion stepped(const stick_slip::DryMass<1>& m, const Motion& from, double h, do
   return {t + h, x + h / 6 * (v + 2 * v1 + 2 * v2 + v3), v + h / 6 * (a0 + 2 * a1 + 2 * a2 + a3)};
 }
 
-/// The zero of f in (0, h], f(0) > 0 > f(h), by interpolation (Illinois).
+/// The zero of f in (0, h], f(0) > 0 > f(h), by interpolation.
 template <class F>
 double zero(F f, double h) {
-  double low = 0, high = h, f_low = f(0), f_high = f(h);
-  int side = 0;
-  for (int i = 0; i < 60 && high - low > 1e-15 * h; ++i) {
-    const double middle = (low * f_high - high * f_low) / (f_high - f_low), value = f(middle);
+  Bracket bracket{0, h, f(0), f(h)};
+  for (int i = 0; i < 60 && bracket.width() > 1e-15 * h; ++i) {
+    const double middle = bracket.secant(), value = f(middle);
     if (value == 0) return middle;
-    if (value > 0) {
-      low = middle, f_low = value;
-      if (side == 1) f_high /= 2;
-      side = 1;
-    } else {
-      high = middle, f_high = value;
-      if (side == -1) f_low /= 2;
-      side = -1;
-    }
+    bracket.take(middle, value);
   }
-  return high;
+  return bracket.high;
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "core/bracket.hpp"
 #include "core/error.hpp"
 #include "core/system.hpp"
 #include "solvers/steps/radau_tableau.hpp"
@@ -143,27 +144,19 @@ class Collocation {
 template <class F>
 std::optional<double> Collocation::locate(F f, double low, double high, double f_low, double f_high) {
   std::vector<double> y(n_);
+  Bracket bracket{low, high, f_low, f_high};
   double theta = high;
-  int kept = 0;  // which end stayed last time
-  for (int iteration = 0; iteration < 100 && high - low > 2e-16; ++iteration) {
-    theta = f_high != f_low ? (low * f_high - high * f_low) / (f_high - f_low) : 0.5 * (low + high);
-    if (!(theta > low && theta < high)) theta = 0.5 * (low + high);
-    if (theta == low || theta == high) break;
+  for (int iteration = 0; iteration < 100 && bracket.width() > 2e-16; ++iteration) {
+    theta = bracket.secant();
+    if (!bracket.holds(theta)) theta = 0.5 * (bracket.low + bracket.high);
+    if (!bracket.holds(theta)) break;
     if (!solve_at(theta, y.data())) return std::nullopt;
     const double value = f(time_at(theta), y.data());
     if (value == 0) break;
     if (!std::isfinite(value)) return std::nullopt;
-    if ((value > 0) == (f_high > 0)) {
-      if (std::abs(high - theta) < 1e-15) break;
-      high = theta, f_high = value;
-      if (kept == -1) f_low *= 0.5;
-      kept = -1;
-    } else {
-      if (std::abs(theta - low) < 1e-15) break;
-      low = theta, f_low = value;
-      if (kept == 1) f_high *= 0.5;
-      kept = 1;
-    }
+    const double end = (value > 0) == (bracket.f_high > 0) ? bracket.high : bracket.low;
+    if (std::abs(end - theta) < 1e-15) break;
+    bracket.take(theta, value);
   }
   return theta;
 }

@@ -30,7 +30,7 @@ class Decision {
     for (int i = 0; i < contacts(); ++i) {
       if (system.is_elastic(i)) {
         if (!std::exchange(asked, true)) system.held(t, y, held_.data());
-        next_[i] = ended[i] == Ended::slip    ? ContactMode::stick
+        next_[i] = ended[i] == Ended::slip    ? after_slip(i)
                    : ended[i] == Ended::stick ? slip_along(held_[i].force)
                                               : before_[i];
         continue;
@@ -73,6 +73,21 @@ class Decision {
 
  private:
   int contacts() const { return int(ended_.size()); }
+
+  /// Of an elastic contact: rest, but where it bears nothing, as while it is open, slip turns round at once. At the
+  /// moment in which it closes it bears nothing either; its slip would go on along the slip before, and it rests.
+  ContactMode after_slip(int contact) {
+    std::vector<SwitchingSystem::Held> held(ended_.size());
+    system_.set_mode(contact, ContactMode::stick);
+    system_.held(t_, y_, held.data());
+    const ContactMode back = slip_along(-sign(before_[contact]));
+    system_.set_mode(contact, back);
+    const double along = sign(back) * system_.own_slip_rate(contact, t_, y_);
+    system_.set_mode(contact, before_[contact]);
+    constexpr double nothing = 1e-9;
+    const bool turns = held[contact].limit == 0 && along >= -nothing * system_.reference_speed(contact);
+    return turns ? back : ContactMode::stick;
+  }
 
   /// Forces on contacts that stick, and accelerations of those that slip, in the modes of the present trial.
   void ask() {
@@ -183,7 +198,11 @@ ContactMode mode_behind_spring(SwitchingSystem& system, int contact, double t, c
   if (const auto& [force, limit, digits] = held[contact]; std::abs(force) >= limit * (1 - located) - digits) {
     mode = slip_along(force);
     system.set_mode(contact, mode);
-    if (!(sign(mode) * system.own_slip_rate(contact, t, y) > 0)) mode = ContactMode::stick;
+    const double slip_rate = system.own_slip_rate(contact, t, y);
+    if (limit == 0)  // it bears nothing, as while it is open
+      mode = slip_along(slip_rate);
+    else if (!(sign(mode) * slip_rate > 0))
+      mode = ContactMode::stick;
   }
   system.set_mode(contact, before);
   return mode;

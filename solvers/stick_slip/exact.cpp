@@ -223,6 +223,7 @@ void Exact<Real>::account(Real from, Real to) {
       const Real force = f * seen.velocity * dt, surface = seen.friction_force * V * dt;
       const Real friction = std::abs(seen.friction_force * seen.slip_rate) * dt;
       works_.damper += damper, works_.force += force, works_.surface += surface, works_.friction += friction;
+      works_.wear += seen.load * std::abs(seen.slip_rate) * dt;
       works_.throughput += damper + friction + std::abs(force) + std::abs(surface);
     };
     for (std::size_t i = 0; i < nodes.size(); ++i) {

@@ -55,6 +55,7 @@ class Exact {
   /// what friction has turned into heat, ∫ |F (V − ẋ)| dt. Only with `audit`.
   struct Works {
     Real force = 0, surface = 0, damper = 0, friction = 0;
+    Real wear = 0;        ///< ∫ N |V − ẋ| dt
     Real residual = 0;    ///< of energy + damper − force − surface, which should vanish
     Real throughput = 0;  ///< sum of all that was turned over, by which to judge it
   };
