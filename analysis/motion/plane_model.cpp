@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/motion/reversal_steps.hpp"
 #include "laws/plane_form.hpp"
 #include "oscillators/contact_rows.hpp"
 #include "oscillators/model.hpp"
@@ -42,6 +43,9 @@ PlaneFriction plane_friction(const PlaneModel& model) {
   PlaneFriction friction{law->contact({.lambda = model.lambda, .unknowns = unknowns_of(*law)}),
                          carries ? 0 : laws::turning_state(*law)};
   if (carries) friction.creep = oscillators::friction_creep(model.lambda).share;
+  friction.near_rest = [law, lambda = model.lambda, N = model.mass.load.level()](double fast) {
+    return near_rest_slip_rate(*law, lambda, fast, N);
+  };
   friction.slip_kink = [law](double v) { return law->slip_kink(v); };
   if (!carries && friction.turning < 0)
     friction.state_kink = [law, n = law->states().size()](const double* z) { return law->kink({z, n}); };

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <memory>
 
 #include "analysis/motion/motion_record.hpp"
 #include "oscillators/contact_rows.hpp"
@@ -71,6 +71,30 @@ struct PlanePass {
     steps = solver.steps();
   }
 };
+
+/// The largest error of displacements and velocities. Motion along one axis is known by the size of the vector: across
+/// it there is rounding alone.
+double error_over_size(const MotionRecord& record, const MotionRecord& other, const std::vector<ErrorRule>& rules) {
+  constexpr std::size_t of_motion = 4;
+  double worst = 0;
+  for (std::size_t c = 0; c < of_motion; ++c) {
+    const double difference = largest_difference(other.columns()[c], record.columns()[c]);
+    const double of_vector = std::max(record.size(c), record.size(c ^ 1));
+    if (of_vector > 0) worst = std::max(worst, rules[c].error(difference, record.size(c)) / of_vector);
+  }
+  return worst;
+}
+
+/// Columns of a record, and their errors from another.
+void take(const MotionRecord& record, const MotionRecord& other, const std::vector<ErrorRule>& rules,
+          const std::vector<double>& times, Run& result) {
+  for (std::size_t c = 0; c < record.columns().size(); ++c)
+    result.column_error.push_back(
+        rules[c].error(largest_difference(other.columns()[c], record.columns()[c]), record.size(c)));
+  state_what_is_seen(record, &other, rules, result);
+  result.columns = record.columns();
+  result.time.assign(times.begin(), times.begin() + static_cast<long>(record.samples()));
+}
 
 MotionRecord stepped(const PlaneModel& model, const RunOptions& options, const std::vector<double>& times, double end,
                      Run& result) {
@@ -146,41 +170,38 @@ Run run_plane(const PlaneModel& model, const RunOptions& options) {
   result.column_units = {"m", "m", "m/s", "m/s", "N", "N"};
   for (const auto& [state, place] : memory_of(model))
     result.column_names.push_back(state.name), result.column_units.push_back(state.unit);
-  const double tolerance = std::clamp(1e-3 * options.tolerance, 1e-13, 1e-9);
-  const PlanePass fine(model, times, end, options.most_steps, tolerance);
+  double tolerance = std::clamp(1e-3 * options.tolerance, 1e-13, 1e-9);
+  constexpr double apart = 30, least_tolerance = 1e-15;
+  const auto pass = [&](double at) {
+    return std::make_unique<const PlanePass>(model, times, end, options.most_steps, at);
+  };
+  auto fine = pass(tolerance);
   result.solver = exactly ? "exact" : options.solver;
-  std::optional<PlanePass> coarse;
-  std::optional<MotionRecord> steps;
-  if (exactly) {
-    coarse.emplace(model, times, end, options.most_steps, 30 * tolerance);
-    result.events = fine.events;
-    result.outcome = fine.outcome;
-    result.why = model.remembers()
-                     ? "in the plane, under friction that remembers and is smooth at rest: implicit steps, and stick "
-                       "is slow creep"
-                     : "in the plane slip has no closed form: smooth pieces in the logarithm of speed, events located";
-    result.cost.steps = fine.steps + coarse->steps;
-    result.metrics = fine.metrics;
-    state_event_errors(result, coarse->events, {3});
-  } else {
-    steps.emplace(stepped(model, options, times, end, result));
+  if (!exactly) {
+    const MotionRecord steps = stepped(model, options, times, end, result);
+    take(steps, fine->record, std::vector<ErrorRule>(columns), times, result);
+    return result;
   }
-  const MotionRecord &record = exactly ? fine.record : *steps, &other = exactly ? coarse->record : fine.record;
-  std::vector<ErrorRule> rules;
-  double worst = 0;
-  for (std::size_t c = 0; c < record.columns().size(); ++c) {
-    rules.push_back(exactly ? ErrorRule{3, tolerance} : ErrorRule{});
-    const double difference = largest_difference(other.columns()[c], record.columns()[c]);
-    result.column_error.push_back(rules.back().error(difference, record.size(c)));
-    if (c >= columns) continue;
-    // Motion along one axis is known by the size of the vector: across it there is rounding alone.
-    const double of_vector = std::max(record.size(c), record.size(c ^ 1));
-    if (of_vector > 0 && c < 4) worst = std::max(worst, result.column_error.back() / of_vector);
+  auto coarse = pass(apart * tolerance);
+  result.cost.steps = fine->steps + coarse->steps;
+  const auto rules = [&] { return std::vector<ErrorRule>(fine->record.columns().size(), {3, tolerance}); };
+  double worst = error_over_size(fine->record, coarse->record, rules());
+  while (fine->outcome.complete() && worst > options.tolerance && tolerance > apart * least_tolerance) {
+    tolerance /= apart;
+    coarse = std::move(fine), fine = pass(tolerance);
+    result.cost.steps += fine->steps;
+    worst = error_over_size(fine->record, coarse->record, rules());
   }
-  state_what_is_seen(record, &other, rules, result);
-  result.columns = record.columns();
-  result.time.assign(times.begin(), times.begin() + static_cast<long>(record.samples()));
-  if (exactly && result.outcome.complete() && worst > options.tolerance)
+  result.events = fine->events;
+  result.outcome = fine->outcome;
+  result.why = model.remembers()
+                   ? "in the plane, under friction that remembers and is smooth at rest: implicit steps, and stick "
+                     "is slow creep"
+                   : "in the plane slip has no closed form: smooth pieces in the logarithm of speed, events located";
+  result.metrics = fine->metrics;
+  state_event_errors(result, coarse->events, {3});
+  take(fine->record, coarse->record, rules(), times, result);
+  if (result.outcome.complete() && worst > options.tolerance)
     result.outcome = {Ending::tolerance_not_met, fmt::format("the motion is known to {:.1e} of its size only", worst)};
   return result;
 }

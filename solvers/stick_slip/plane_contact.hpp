@@ -23,6 +23,9 @@ struct PlaneFriction {
   /// steady friction there and a thousand times slower. Without it friction would reverse within less than rounding
   /// resolves.
   double creep = 0;
+  /// By the slip rate that counts as fast: slip slower than this (m/s) changes states by other rates, so that steps
+  /// must end before it; 0: there is no such range.
+  std::function<double(double fast)> near_rest = nullptr;
   std::function<double(double)> slip_kink = nullptr;          ///< as in SlipFriction
   std::function<double(const double*)> state_kink = nullptr;  ///< the same of the unknowns ψ, where no unknown turns
 };

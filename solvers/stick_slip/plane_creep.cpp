@@ -87,7 +87,7 @@ class PlaneCreep::Motion final : public System {
     const double u = std::hypot(y[u_0], y[u_1]);
     values.assign({friction.slip_kink ? friction.slip_kink(u) : NAN,
                    friction.state_kink ? friction.state_kink(y + contact_0) : NAN,
-                   of_.stick_speed_ > 0 ? u / of_.stick_speed_ - 1 : NAN});
+                   of_.stick_speed_ > 0 ? u / of_.stick_speed_ - 1 : NAN, reversal(y)});
   }
 
  private:
@@ -133,6 +133,14 @@ class PlaneCreep::Motion final : public System {
     }
   }
 
+  /// Motion along one line passes through rest, where |u| has a kink; any other motion passes beside it.
+  double reversal(const double* y) const {
+    constexpr double of_line = 1e-9;
+    const auto& e = of_.line_;
+    const double fast = of_.reference_speed_, across = (y[u_0] * e[1] - y[u_1] * e[0]) / fast;
+    return std::abs(across) < of_line ? (y[u_0] * e[0] + y[u_1] * e[1]) / fast : NAN;
+  }
+
   const PlaneCreep& of_;
   const PlaneMass& mass_;
   const PlaneContact& contact_;
@@ -148,6 +156,7 @@ PlaneCreep::PlaneCreep(PlaneMass mass, PlaneFriction friction, double tolerance,
       motion_(std::make_unique<Motion>(*this)),
       collocation_(std::make_unique<steps::Collocation>(*motion_, tolerance)) {
   collocation_->resolve_starts();
+  if (const auto& near_rest = contact_.friction().near_rest) near_rest_ = near_rest(reference_speed_);
 }
 PlaneCreep::~PlaneCreep() = default;
 
@@ -179,6 +188,9 @@ void PlaneCreep::start(double t, const std::vector<double>& state) {
   y_.resize(y_.size() + accounts, 0.0);
   take(y_);
   open_account();
+  const PlaneVector u = {y_[u_0], y_[u_1]}, R = balance(t, x_, v_);
+  line_ = length<2>(u) > 0 ? u : length<2>(R) > 0 ? R : PlaneVector{1, 0};
+  for (const double size = length<2>(line_); double& part : line_) part /= size;
   fresh_ = true, sticks_ = false, stick_time_ = 0;
 }
 
@@ -193,6 +205,14 @@ Outcome PlaneCreep::advance(double limit, Switch& switched) {
   fresh_ = false;
   const double drive_break =
       std::min({mass_.load.next_break(t0_), mass_.force[0].next_break(t0_), mass_.force[1].next_break(t0_)});
+  const auto speed = [](const std::vector<double>& y) { return std::hypot(y[u_0], y[u_1]); };
+  if (near_rest_ > 0) {
+    constexpr double share = 0.5, near_rest_share = 1e-3;  // of the slip rate that a step may lose
+    const double before = speed(collocation_->state_before()), now = speed(y_);
+    const double loss = std::max(share * now, near_rest_share * near_rest_);
+    const bool slows = now < before && collocation_->length() > 0;
+    collocation_->bound_step(slows ? loss * collocation_->length() / (before - now) : infinity);
+  }
   const Outcome outcome = collocation_->step(std::min(limit, drive_break));
   if (!outcome.complete()) return outcome;
   t1_ = collocation_->time();
@@ -202,7 +222,7 @@ Outcome PlaneCreep::advance(double limit, Switch& switched) {
   if (stick_speed_ > 0) {
     std::vector<double> middle(y_.size());
     collocation_->interpolate(0.5, middle.data());
-    sticks_ = std::hypot(middle[u_0], middle[u_1]) <= stick_speed_;
+    sticks_ = speed(middle) <= stick_speed_;
     if (sticks_) stick_time_ += t1_ - t0_;
   }
   return {};
