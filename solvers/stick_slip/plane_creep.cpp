@@ -82,12 +82,12 @@ class PlaneCreep::Motion final : public System {
   double resolution() const override {
     return std::min({mass_.load.resolution(), mass_.force[0].resolution(), mass_.force[1].resolution()});
   }
-  void kinks(double, const double* y, std::vector<double>& values) const override {
+  void kinks(double t, const double* y, std::vector<double>& values) const override {
     const auto& friction = contact_.friction();
     const double u = std::hypot(y[u_0], y[u_1]);
     values.assign({friction.slip_kink ? friction.slip_kink(u) : NAN,
                    friction.state_kink ? friction.state_kink(y + contact_0) : NAN,
-                   of_.stick_speed_ > 0 ? u / of_.stick_speed_ - 1 : NAN, reversal(y)});
+                   of_.stick_speed_ > 0 ? u / of_.stick_speed_ - 1 : NAN, approach(t, y)});
   }
 
  private:
@@ -133,12 +133,23 @@ class PlaneCreep::Motion final : public System {
     }
   }
 
-  /// Motion along one line passes through rest, where |u| has a kink; any other motion passes beside it.
-  double reversal(const double* y) const {
-    constexpr double of_line = 1e-9;
-    const auto& e = of_.line_;
-    const double fast = of_.reference_speed_, across = (y[u_0] * e[1] - y[u_1] * e[0]) / fast;
-    return std::abs(across) < of_line ? (y[u_0] * e[0] + y[u_1] * e[1]) / fast : NAN;
+  /// The cosine between slip rate and its change: it changes sign where slip is nearest to rest, in whose neighbourhood
+  /// |u| bends sharply, and at rest itself where motion goes along a line. At rest, and where forces balance but for
+  /// rounding, 1.
+  double approach(double t, const double* y) const {
+    const PlaneVector u = {y[u_0], y[u_1]};
+    PlaneVector F, change;
+    double g[PlaneContact::capacity], size = 0;
+    contact_.evaluate(u, mass_.load.value(t), y + contact_0, g, F, nullptr);
+    for (int d = 0; d < 2; ++d) {
+      const double spring = mass_.stiffness[d] * y[x_0 + d],
+                   damper = mass_.damping[d] * (mass_.surface_velocity[d] - u[d]), force = mass_.force[d].value(t);
+      change[d] = spring + damper - F[d] - force;
+      size += std::abs(spring) + std::abs(damper) + std::abs(F[d]) + std::abs(force);
+    }
+    constexpr double rounding = 1e-10;
+    const double s = length<2>(u), rate = length<2>(change);
+    return s > 0 && rate > rounding * size ? dot<2>(u, change) / s / rate : 1;
   }
 
   const PlaneCreep& of_;
@@ -162,11 +173,7 @@ PlaneCreep::~PlaneCreep() = default;
 
 long PlaneCreep::steps() const { return collocation_->count().steps; }
 
-int PlaneCreep::parts() const {
-  constexpr double radians = 0.5, most = 1e5;
-  constexpr int of_step = steps::Collocation::stages;  // within which a motion may bend by itself
-  return int(std::min(std::ceil((t1_ - t0_) * fastest_ / radians) + of_step, most));
-}
+int PlaneCreep::parts() const { return steps::Collocation::stages; }
 
 std::vector<double> PlaneCreep::sizes() const {
   std::vector<double> y(motion_->size()), s(motion_->size());
@@ -188,9 +195,6 @@ void PlaneCreep::start(double t, const std::vector<double>& state) {
   y_.resize(y_.size() + accounts, 0.0);
   take(y_);
   open_account();
-  const PlaneVector u = {y_[u_0], y_[u_1]}, R = balance(t, x_, v_);
-  line_ = length<2>(u) > 0 ? u : length<2>(R) > 0 ? R : PlaneVector{1, 0};
-  for (const double size = length<2>(line_); double& part : line_) part /= size;
   fresh_ = true, sticks_ = false, stick_time_ = 0;
 }
 

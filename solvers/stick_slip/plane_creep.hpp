@@ -43,7 +43,6 @@ class PlaneCreep final : public PlaneSolver {
   std::unique_ptr<Motion> motion_;
   std::unique_ptr<steps::Collocation> collocation_;
   bool fresh_ = true;   ///< a new piece of the drive begins at t1_
-  PlaneVector line_{};  ///< direction in which the motion begins
   bool sticks_ = false;
   double stick_time_ = 0;
   std::vector<double> y_;
