@@ -1,6 +1,7 @@
 /// How a model moves from a start: runs of a slider, a structure, and a mass in the plane.
 #pragma once
 #include "analysis/motion/last_oscillation.hpp"
+#include "analysis/motion/plane_model.hpp"
 #include "analysis/motion/plane_run.hpp"
 #include "analysis/motion/run.hpp"
 #include "analysis/motion/slip_events.hpp"

@@ -6,40 +6,45 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <memory>
 
 #include "analysis/motion/motion_record.hpp"
+#include "oscillators/contact_rows.hpp"
 #include "solvers/force_algorithms/force_algorithms.hpp"
+#include "solvers/force_algorithms/stepped_motion.hpp"
 
 namespace rosin::analysis::motion {
 
 namespace algorithms = solvers::force_algorithms;
 using algorithms::State;
 using algorithms::Vector;
-using solvers::stick_slip::PlaneStickSlip;
 using solvers::stick_slip::Switch;
 
 namespace {
 
-constexpr int columns = 6;
+constexpr std::size_t columns = 6;  ///< before those of the states
 
-/// One pass by located events.
+/// One pass, by located events or by smooth steps.
 struct PlanePass {
   MotionRecord record;
   std::vector<RunEvent> events;
   Outcome outcome;
-  double stick_time, friction_work, path_length, energy_residual;
+  std::map<std::string, double> metrics;
   long steps;
 
   PlanePass(const PlaneModel& model, const std::vector<double>& times, double end, long most_steps, double tolerance)
-      : record(columns, 0, times) {
-    PlaneStickSlip solver(model.mass, tolerance, slip_friction(model));
-    solver.start(0, model.displacement, model.velocity);
+      : record(columns + memory_of(model).size(), 0, times) {
+    const auto memory = memory_of(model);
+    const auto of_model = solver_of(model, tolerance);
+    auto& solver = *of_model;
+    solver.start(0, start_of(model));
     const auto row = [&](bool near) {
       return [&, near](double t, double* to) {
-        const auto [x, v, F] = solver.at(t, near);
+        const auto [x, v, F, states] = solver.at(t, near);
         const double values[] = {x[0], x[1], v[0], v[1], F[0], F[1]};
         std::ranges::copy(values, to);
+        for (std::size_t m = 0; m < memory.size(); ++m)
+          to[columns + m] = oscillators::to_state(memory[m].state, states[std::size_t(memory[m].place)]);
       };
     };
     std::vector<double> inside;
@@ -50,9 +55,7 @@ struct PlanePass {
         outcome.detail += fmt::format(" at t = {:.9g} s", solver.time());
         break;
       }
-      constexpr double radians = 0.5, most = 1e5;
-      const double from = solver.time_before(), to = solver.time();
-      const double parts = std::min(std::ceil((to - from) * solver.fastest() / radians) + 2, most);
+      const double from = solver.time_before(), to = solver.time(), parts = solver.parts() + 1;
       inside.clear();
       for (double k = 1; k < parts; ++k) inside.push_back(std::lerp(from, to, k / parts));
       record.step(from, to, inside, row(true), row(false));
@@ -61,11 +64,37 @@ struct PlanePass {
       events.push_back({solver.time(), name(what), at[0], at[1]});
     }
     if (outcome.complete()) record.rest(end, true, row(false));
-    stick_time = solver.stick_time(), friction_work = solver.friction_work(), path_length = solver.path_length();
-    energy_residual = solver.energy_residual();
+    metrics = {{"friction_work", solver.friction_work()},
+               {"path_length", solver.path_length()},
+               {"energy_residual", solver.energy_residual()}};
+    if (memory.empty()) metrics["stick_time"] = solver.stick_time();
     steps = solver.steps();
   }
 };
+
+/// The largest error of displacements and velocities. Motion along one axis is known by the size of the vector: across
+/// it there is rounding alone.
+double error_over_size(const MotionRecord& record, const MotionRecord& other, const std::vector<ErrorRule>& rules) {
+  constexpr std::size_t of_motion = 4;
+  double worst = 0;
+  for (std::size_t c = 0; c < of_motion; ++c) {
+    const double difference = largest_difference(other.columns()[c], record.columns()[c]);
+    const double of_vector = std::max(record.size(c), record.size(c ^ 1));
+    if (of_vector > 0) worst = std::max(worst, rules[c].error(difference, record.size(c)) / of_vector);
+  }
+  return worst;
+}
+
+/// Columns of a record, and their errors from another.
+void take(const MotionRecord& record, const MotionRecord& other, const std::vector<ErrorRule>& rules,
+          const std::vector<double>& times, Run& result) {
+  for (std::size_t c = 0; c < record.columns().size(); ++c)
+    result.column_error.push_back(
+        rules[c].error(largest_difference(other.columns()[c], record.columns()[c]), record.size(c)));
+  state_what_is_seen(record, &other, rules, result);
+  result.columns = record.columns();
+  result.time.assign(times.begin(), times.begin() + static_cast<long>(record.samples()));
+}
 
 MotionRecord stepped(const PlaneModel& model, const RunOptions& options, const std::vector<double>& times, double end,
                      Run& result) {
@@ -116,12 +145,6 @@ MotionRecord stepped(const PlaneModel& model, const RunOptions& options, const s
 
 }  // namespace
 
-solvers::stick_slip::SlipFriction slip_friction(const PlaneModel& model) {
-  const auto& law = model.law;
-  if (!law) return {};
-  return {law->contact({.unknowns = Unknowns::states}), [law](double v) { return law->slip_kink(v); }};
-}
-
 std::vector<std::string> plane_solver_names() {
   std::vector<std::string> names = {"auto", "exact"};
   for (const auto& algorithm : algorithms::algorithms())
@@ -137,47 +160,48 @@ Run run_plane(const PlaneModel& model, const RunOptions& options) {
                                  fmt::join(known, ", ")));
   const bool exactly = options.solver == "auto" || options.solver == "exact";
   if (model.law && !exactly)
-    throw InputError(fmt::format("solver '{}' is for Coulomb friction; law '{}' depends on the slip rate, use 'exact'",
-                                 options.solver, model.law->card().name));
+    throw InputError(fmt::format("solver '{}' is for Coulomb friction; law '{}' depends on {}, use 'exact'",
+                                 options.solver, model.law->card().name,
+                                 model.remembers() ? "states" : "the slip rate"));
   Run result;
   const auto times = sample_times(options);
   const double end = std::max(options.duration, times.back());
   result.column_names = {"displacement_x", "displacement_y", "velocity_x", "velocity_y", "friction_x", "friction_y"};
   result.column_units = {"m", "m", "m/s", "m/s", "N", "N"};
-  const double tolerance = std::clamp(1e-3 * options.tolerance, 1e-13, 1e-9);
-  const PlanePass fine(model, times, end, options.most_steps, tolerance);
+  for (const auto& [state, place] : memory_of(model))
+    result.column_names.push_back(state.name), result.column_units.push_back(state.unit);
+  double tolerance = std::clamp(1e-3 * options.tolerance, 1e-13, 1e-9);
+  constexpr double apart = 30, least_tolerance = 1e-15;
+  const auto pass = [&](double at) {
+    return std::make_unique<const PlanePass>(model, times, end, options.most_steps, at);
+  };
+  auto fine = pass(tolerance);
   result.solver = exactly ? "exact" : options.solver;
-  std::optional<PlanePass> coarse;
-  std::optional<MotionRecord> steps;
-  if (exactly) {
-    coarse.emplace(model, times, end, options.most_steps, 30 * tolerance);
-    result.events = fine.events;
-    result.outcome = fine.outcome;
-    result.why = "in the plane slip has no closed form: smooth pieces in the logarithm of speed, events located";
-    result.cost.steps = fine.steps + coarse->steps;
-    result.metrics = {{"stick_time", fine.stick_time},
-                      {"friction_work", fine.friction_work},
-                      {"path_length", fine.path_length},
-                      {"energy_residual", fine.energy_residual}};
-    state_event_errors(result, coarse->events, {3});
-  } else {
-    steps.emplace(stepped(model, options, times, end, result));
+  if (!exactly) {
+    const MotionRecord steps = stepped(model, options, times, end, result);
+    take(steps, fine->record, std::vector<ErrorRule>(columns), times, result);
+    return result;
   }
-  const MotionRecord &record = exactly ? fine.record : *steps, &other = exactly ? coarse->record : fine.record;
-  std::vector<ErrorRule> rules;
-  double worst = 0;
-  for (int c = 0; c < columns; ++c) {
-    rules.push_back(exactly ? ErrorRule{3, tolerance} : ErrorRule{});
-    const double difference = largest_difference(other.columns()[c], record.columns()[c]);
-    result.column_error.push_back(rules.back().error(difference, record.size(c)));
-    // Motion along one axis is known by the size of the vector: across it there is rounding alone.
-    const double of_vector = std::max(record.size(c), record.size(c ^ 1));
-    if (of_vector > 0 && c < 4) worst = std::max(worst, result.column_error.back() / of_vector);
+  auto coarse = pass(apart * tolerance);
+  result.cost.steps = fine->steps + coarse->steps;
+  const auto rules = [&] { return std::vector<ErrorRule>(fine->record.columns().size(), {3, tolerance}); };
+  double worst = error_over_size(fine->record, coarse->record, rules());
+  while (fine->outcome.complete() && worst > options.tolerance && tolerance > apart * least_tolerance) {
+    tolerance /= apart;
+    coarse = std::move(fine), fine = pass(tolerance);
+    result.cost.steps += fine->steps;
+    worst = error_over_size(fine->record, coarse->record, rules());
   }
-  state_what_is_seen(record, &other, rules, result);
-  result.columns = record.columns();
-  result.time.assign(times.begin(), times.begin() + static_cast<long>(record.samples()));
-  if (exactly && result.outcome.complete() && worst > options.tolerance)
+  result.events = fine->events;
+  result.outcome = fine->outcome;
+  result.why = model.remembers()
+                   ? "in the plane, under friction that remembers and is smooth at rest: implicit steps, and stick "
+                     "is slow creep"
+                   : "in the plane slip has no closed form: smooth pieces in the logarithm of speed, events located";
+  result.metrics = fine->metrics;
+  state_event_errors(result, coarse->events, {3});
+  take(fine->record, coarse->record, rules(), times, result);
+  if (result.outcome.complete() && worst > options.tolerance)
     result.outcome = {Ending::tolerance_not_met, fmt::format("the motion is known to {:.1e} of its size only", worst)};
   return result;
 }

@@ -27,7 +27,9 @@ double narrowest_layer(const FrictionLaw& law, double V, double N) {
   return width < infinity ? width : 0;
 }
 
-double near_rest(const FrictionLaw& law, double lambda, double V, double N) {
+}  // namespace
+
+double near_rest_slip_rate(const FrictionLaw& law, double lambda, double V, double N) {
   if (law.set_valued() || !law.has_states() || !(lambda > 0 && N > 0)) return 0;
   try {
     return narrowest_layer(law, V, N);
@@ -36,11 +38,9 @@ double near_rest(const FrictionLaw& law, double lambda, double V, double N) {
   }
 }
 
-}  // namespace
-
 double near_rest_slip_rate(const oscillators::SliderSystem& system) {
   const auto& model = system.model();
-  return near_rest(*model.law, model.lambda, system.reference_speed(), model.drive.normal_load.level());
+  return near_rest_slip_rate(*model.law, model.lambda, system.reference_speed(), model.drive.normal_load.level());
 }
 
 ReversalSteps::ReversalSteps(const oscillators::SliderSystem& system, double share) : share_(share) {
@@ -51,8 +51,8 @@ ReversalSteps::ReversalSteps(const oscillators::SliderSystem& system, double sha
 ReversalSteps::ReversalSteps(const oscillators::StructureSystem& system, double share) : share_(share) {
   for (int j = 0; j < system.friction_contacts(); ++j) {
     const auto& contact = system.structure().contacts[j];
-    const double slow = near_rest(*contact.law, contact.lambda, system.reference_speed_of(j),
-                                  contact.load_factor * contact.normal_load.level());
+    const double slow = near_rest_slip_rate(*contact.law, contact.lambda, system.reference_speed_of(j),
+                                            contact.load_factor * contact.normal_load.level());
     if (slow > 0 && !contact.frictionless())
       contacts_.push_back(
           {slow, [&system, j](double t, const double* y) { return system.contact_slip_rate(j, t, y); }});

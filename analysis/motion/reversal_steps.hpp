@@ -12,6 +12,8 @@ namespace rosin::analysis::motion {
 /// Slip rate (m/s), far below the drive speed, under which a state of the contact evolves differently than in faster
 /// slip, as a state that heals below a speed of its own; 0 where there is none.
 double near_rest_slip_rate(const oscillators::SliderSystem&);
+/// The same of a law, far below slip rate V under load N.
+double near_rest_slip_rate(const FrictionLaw&, double lambda, double V, double N);
 
 /// Bounds steps where slip decelerates to a reversal, so that each ends before it. Slip passes through the range below
 /// near_rest_slip_rate() so fast that a longer step sees it at neither of its ends. Infinite where there is no such

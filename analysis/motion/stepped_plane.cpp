@@ -1,15 +1,13 @@
-/// The slider in the plane as an oscillator followed by steps: events located, slip by collocation.
+/// The slider in the plane as an oscillator followed by steps.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "analysis/motion/stepped_oscillator.hpp"
-#include "laws/law.hpp"
-#include "solvers/stick_slip/plane_stick_slip.hpp"
 
 namespace rosin::analysis::motion {
 
-using solvers::stick_slip::PlaneStickSlip;
+using solvers::stick_slip::PlaneSolver;
 using solvers::stick_slip::PlaneVector;
 
 namespace {
@@ -17,27 +15,20 @@ namespace {
 class PlaneMotion final : public SteppedMotion {
  public:
   PlaneMotion(const PlaneModel& model, double tolerance)
-      : surface_(model.mass.surface_velocity), solver_(model.mass, tolerance, slip_friction(model)) {}
+      : surface_(model.mass.surface_velocity), solver_(solver_of(model, tolerance, usual_stick_threshold)) {}
 
-  void start(double t, const std::vector<double>& y) override { solver_.start(t, {y[0], y[1]}, {y[2], y[3]}); }
+  void start(double t, const std::vector<double>& y) override { solver_->start(t, y); }
   Outcome advance(double limit) override {
     solvers::stick_slip::Switch what;
-    const auto outcome = solver_.advance(limit, what);
-    sticks_ = solver_.sticking();
-    return outcome;
+    return solver_->advance(limit, what);
   }
-  double time_before() const override { return solver_.time_before(); }
-  double time() const override { return solver_.time(); }
-  std::vector<double> state() const override {
-    const auto &x = solver_.displacement(), &v = solver_.velocity();
-    return {x[0], x[1], v[0], v[1]};
-  }
-  int parts() const override {
-    constexpr double radians = 0.5, most = 1e5;
-    return int(std::min(std::ceil((time() - time_before()) * solver_.fastest() / radians) + 1, most));
-  }
+  double time_before() const override { return solver_->time_before(); }
+  double time() const override { return solver_->time(); }
+  std::vector<double> state() const override { return solver_->state(); }
+  int parts() const override { return solver_->parts(); }
   void observe(double t, bool near, double* row) override {
-    const auto [x, v, F] = solver_.at(t, near);
+    const auto seen = solver_->at(t, near);
+    const auto &x = seen.displacement, &v = seen.velocity, &F = seen.friction;
     const double w[] = {v[0] - surface_[0], v[1] - surface_[1]};
     const double values[] = {x[0],
                              x[1],
@@ -45,16 +36,15 @@ class PlaneMotion final : public SteppedMotion {
                              v[1],
                              F[0],
                              F[1],
-                             sticks_ ? 1.0 : 0.0,
-                             sticks_ ? 0.0 : std::hypot(w[0], w[1]),
-                             sticks_ ? 0.0 : -(F[0] * w[0] + F[1] * w[1])};
+                             solver_->sticking() ? 1.0 : 0.0,
+                             std::hypot(w[0], w[1]),
+                             -(F[0] * w[0] + F[1] * w[1])};
     std::ranges::copy(values, row);
   }
 
  private:
   PlaneVector surface_;
-  PlaneStickSlip solver_;
-  bool sticks_ = false;  ///< in the last step
+  std::unique_ptr<PlaneSolver> solver_;
 };
 
 }  // namespace
@@ -83,27 +73,19 @@ SteppedOscillator stepped(const PlaneModel& model) {
   oscillator.coordinates = 2;
   oscillator.natural_period =
       2 * std::numbers::pi * std::sqrt(mass.mass / std::min(mass.stiffness[0], mass.stiffness[1]));
-  oscillator.start = {model.displacement[0], model.displacement[1], model.velocity[0], model.velocity[1]};
-  // As large as what the energy makes of each that the forces store in a spring.
-  double force = mass.static_friction * mass.load.level();
-  for (int d = 0; d < 2; ++d) {
-    force +=
-        std::abs(mass.force[d].level()) + std::abs(mass.surface_velocity[d]) * std::sqrt(mass.stiffness[d] * mass.mass);
-    for (const auto& term : mass.force[d].piece(0).terms) force += std::abs(term.amplitude);
-  }
-  const double energy = force * force / std::min(mass.stiffness[0], mass.stiffness[1]);
-  for (const double stiffness : {mass.stiffness[0], mass.stiffness[1], mass.mass, mass.mass})
-    oscillator.size.push_back(std::sqrt(energy / stiffness));
+  oscillator.start = start_of(model);
+  oscillator.size = sizes_of(model);
   oscillator.motion = [model](double tolerance, bool finer) {
     constexpr double by = 1.0 / 30;
     return std::make_unique<PlaneMotion>(model, std::clamp(1e-3 * tolerance * (finer ? by : 1), 1e-13, 1e-9));
   };
   oscillator.starts.assign(oscillator.channels.begin(), oscillator.channels.begin() + 4);
-  oscillator.start_sizes = oscillator.size;
-  oscillator.start_at = [start = oscillator.start](std::span<const std::optional<double>> values) {
-    auto state = start;
-    for (std::size_t i = 0; i < state.size(); ++i) state[i] = values[i].value_or(state[i]);
-    return state;
+  oscillator.start_sizes.assign(oscillator.size.begin(), oscillator.size.begin() + 4);
+  oscillator.start_at = [model](std::span<const std::optional<double>> values) {
+    auto from = model;
+    double* const numbers[] = {&from.displacement[0], &from.displacement[1], &from.velocity[0], &from.velocity[1]};
+    for (std::size_t i = 0; i < std::size(numbers); ++i) *numbers[i] = values[i].value_or(*numbers[i]);
+    return start_of(from);
   };
   return oscillator;
 }

@@ -5,13 +5,13 @@
 #include <limits>
 #include <tuple>
 
-#include "analysis/motion/plane_run.hpp"
+#include "analysis/motion/plane_model.hpp"
 #include "analysis/steady/plane_sliding.hpp"
 #include "app/scene/oscillator.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/signal.hpp"
 #include "app/scene/stepped.hpp"
-#include "laws/catalogue.hpp"
+#include "laws/plane_form.hpp"
 
 namespace rosin::app::scene {
 
@@ -23,21 +23,29 @@ bool asks_of_steady_sliding(const SceneReader& reader) {
   return verb == "stability" || verb == "branch" || verb == "frf";
 }
 
+/// Friction that remembers needs a vector form, and its memory.
+void require_form_in_plane(SceneReader& reader) {
+  const auto& law = *reader.scene.model.law;
+  if (!law.has_states()) return;
+  const auto& source = reader.document.get("law")->source();
+  const auto serve = [] { return fmt::format("{}", fmt::join(laws::names_in_plane(), ", ")); };
+  if (const auto why = laws::refusal_in_plane(law, reader.scene.plane->mass.load.level()); !why.empty())
+    fail(source, "law '{}' on a plane slider {}; of laws with states {} serve, and laws without", law.card().name, why,
+         serve());
+  if (reader.scene.model.lambda == 0)
+    fail(source,
+         "law.lambda = 0 leaves law '{}' no memory: on a plane slider give its curve itself, a law without states "
+         "(such as "
+         "stribeck or a table), or lambda > 0",
+         law.card().name);
+}
+
 void read_plane_slider(SceneReader& reader, Table table, bool) {
   const auto& law = reader.scene.model.law;
   const auto& of_law = reader.document.get("law")->source();
   if (reader.scene.model.contact_stiffness.present())
     fail(of_law, "law.contact_stiffness does not go with a plane slider, whose contact is rigid");
   if (reader.scene.model.load_memory > 0) fail(of_law, "law.load_memory does not go with a plane slider");
-  if (law->has_states() && !asks_of_steady_sliding(reader)) {
-    std::vector<std::string_view> without;
-    for (const auto& other : laws::catalogue())
-      if (!other->has_states()) without.push_back(other->card().name);
-    fail(of_law,
-         "oscillator.type = 'plane-slider' is for friction that depends on the slip rate alone; law '{}' has states, "
-         "those without are {} and formulas",
-         law->card().name, fmt::join(without, ", "));
-  }
   auto& mass = (reader.scene.plane = std::make_shared<analysis::motion::PlaneModel>())->mass;
   table.expect({"type", "mass", "stiffness", "damping"});
   table.find("type");
@@ -48,6 +56,7 @@ void read_plane_slider(SceneReader& reader, Table table, bool) {
   table.finish();
   const auto linear = law->linear();
   if (!linear || linear->slope != 0) reader.scene.plane->law = law;
+  reader.scene.plane->lambda = reader.scene.model.lambda;
 }
 
 void read_plane_drive(SceneReader& reader, Table drive, bool) {
@@ -64,6 +73,7 @@ void read_plane_drive(SceneReader& reader, Table drive, bool) {
     reader.scene.structure.emplace().structure = located(reader.root.find("drive")->source(), [&] {
       return analysis::steady::sliding_in_plane(mass, contact_of(reader.scene.model));
     });
+  if (!asks_of_steady_sliding(reader)) require_form_in_plane(reader);
   const auto& law = *reader.scene.model.law;
   if (!law.set_valued() || law.has_states()) {
     mass.static_friction = mass.dynamic_friction = 0;

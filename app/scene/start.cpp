@@ -3,13 +3,35 @@
 
 #include <utility>
 
-#include "analysis/motion/plane_run.hpp"
+#include "analysis/motion/plane_model.hpp"
 
 namespace rosin::app::scene {
 
 namespace {
 
 constexpr Range any{-1e15, 1e15};
+
+/// A state that turns with the slip as a pair, others as on a line.
+void read_plane_states(Table& table, analysis::motion::PlaneModel& plane) {
+  plane.states.clear();
+  if (!plane.remembers()) return;
+  const auto& states = plane.law->states();
+  const auto memory = analysis::motion::memory_of(plane);
+  auto of = memory.begin();
+  for (const auto& state : states) {
+    if (state.parity == Parity::odd) {
+      if (table.find(state.name))
+        for (const double part : both(table, state.name, state)) plane.states[(of++)->state.name] = part;
+      else
+        of += 2;
+      continue;
+    }
+    std::optional<double> value;
+    table.read(state.name, value, state);
+    if (value) plane.states[state.name] = *value;
+    ++of;
+  }
+}
 
 }  // namespace
 
@@ -67,6 +89,7 @@ void read_plane_start(const toml::node& node, const std::string& path, analysis:
   if (table.find("displacement"))
     plane.displacement = both(table, "displacement", {"", "m", any, "displacement of the slider"});
   if (table.find("velocity")) plane.velocity = both(table, "velocity", {"", "m/s", any, "velocity of the slider"});
+  read_plane_states(table, plane);
   table.finish();
 }
 

@@ -1,6 +1,6 @@
 /// How a motion begins: `start` of [run] and [cycle].
 #pragma once
-#include "analysis/motion/plane_run.hpp"
+#include "analysis/motion/plane_model.hpp"
 #include "analysis/motion/start.hpp"
 #include "app/scene/scene_table.hpp"
 #include "laws/law.hpp"

@@ -1,8 +1,6 @@
 /// Slip in logarithmic speed, its start and end, and the release from stick.
 #include "solvers/stick_slip/plane_stick_slip.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -101,64 +99,37 @@ class PlaneStickSlip::Slip final : public System {
   double fastest_, speed_;
 };
 
-PlaneStickSlip::Friction PlaneStickSlip::friction(double speed, double load) const {
-  if (!slip_friction_.contact) return {mass_.dynamic_friction * load, 0, mass_.dynamic_friction};
+PlaneStickSlip::Friction PlaneStickSlip::friction(const PlaneMass& mass, const SlipFriction& of, double speed,
+                                                  double load) {
+  if (!of.contact) return {mass.dynamic_friction * load, 0, mass.dynamic_friction};
   double g[Slopes<double>::capacity], force;
   Slopes<double> slopes;
-  slip_friction_.contact->linearise({speed, load, 0, 1}, nullptr, g, force, slopes);
+  of.contact->linearise({speed, load, 0, 1}, nullptr, g, force, slopes);
   return {force, slopes.F_u, slopes.F_N};
 }
 
+double PlaneStickSlip::largest_friction(const PlaneMass& mass, const SlipFriction& of) {
+  const double load = mass.load.level();
+  double force = mass.dynamic_friction * load;
+  if (of.contact)
+    for (double speed = 1e-9; speed < 1e3; speed *= 10) force = std::max(force, friction(mass, of, speed, load).force);
+  return force;
+}
+
 PlaneStickSlip::PlaneStickSlip(PlaneMass mass, double tolerance, SlipFriction friction)
-    : mass_(std::move(mass)), slip_friction_(std::move(friction)), tolerance_(tolerance) {
+    : PlaneSolver(mass, largest_friction(mass, friction)), slip_friction_(std::move(friction)) {
   const auto& m = mass_;
-  fastest_ = 0;
-  double force = m.dynamic_friction * m.load.level();
-  if (slip_friction_.contact)
-    for (double speed = 1e-9; speed < 1e3; speed *= 10)
-      force = std::max(force, this->friction(speed, m.load.level()).force);
-  const auto include_frequencies = [&](const Signal& signal) {
-    for (const auto& term : signal.piece(0).terms) fastest_ = std::max(fastest_, term.angular_frequency);
-  };
-  include_frequencies(m.load);
-  double slowest = infinity;
-  for (int d = 0; d < 2; ++d) {
-    if (!(m.mass > 0 && m.stiffness[d] > 0)) throw InputError("a plane slider needs a mass and two springs above 0");
-    include_frequencies(m.force[d]);
-    const double natural = std::sqrt(m.stiffness[d] / m.mass);
-    fastest_ = std::max(fastest_, natural), slowest = std::min(slowest, natural);
-    force += std::abs(m.force[d].level());
-    for (const auto& term : m.force[d].piece(0).terms) force += std::abs(term.amplitude);
-  }
-  if (!m.load.within({1e-300, infinity}))
-    throw InputError(
-        fmt::format("in the plane the load must stay above 0; about a mean of {} N amplitudes may add up to "
-                    "less than that",
-                    m.load.level()));
   const bool holds_nothing = slip_friction_.contact && m.static_friction == 0;
   if (!(m.static_friction >= m.dynamic_friction) || !(m.dynamic_friction > 0 || holds_nothing))
     throw InputError("in the plane 0 < dynamic friction <= static friction is needed");
-  speed_scale_ = force / (m.mass * slowest);
   slip_ = std::make_unique<Slip>(*this, fastest_, speed_scale_);
-  collocation_ = std::make_unique<steps::Collocation>(*slip_, tolerance_);
+  collocation_ = std::make_unique<steps::Collocation>(*slip_, tolerance);
 }
 PlaneStickSlip::~PlaneStickSlip() = default;
 
-PlaneVector PlaneStickSlip::balance(double t, const PlaneVector& x, const PlaneVector& v) const {
-  PlaneVector R;
-  for (int d = 0; d < 2; ++d) R[d] = mass_.force[d].value(t) - mass_.damping[d] * v[d] - mass_.stiffness[d] * x[d];
-  return R;
-}
-
-double PlaneStickSlip::energy(const PlaneVector& x, const PlaneVector& v) const {
-  double sum = 0;
-  for (int d = 0; d < 2; ++d) sum += (mass_.mass * v[d] * v[d] + mass_.stiffness[d] * x[d] * x[d]) / 2;
-  return sum;
-}
-
-double PlaneStickSlip::energy_residual() const {
-  return (energy(x_, v_) - energy_at_start_ + friction_work_ - supplied_) /
-         (energy_at_start_ + friction_work_ + std::abs(supplied_) + 1e-300);
+int PlaneStickSlip::parts() const {
+  constexpr double radians = 0.5, most = 1e5;
+  return int(std::min(std::ceil((t1_ - t0_) * fastest_ / radians) + 1, most));
 }
 
 long PlaneStickSlip::steps() const { return collocation_->count().steps; }
@@ -174,8 +145,8 @@ void PlaneStickSlip::start(double t, PlaneVector x, PlaneVector v) {
   next_stick_ = from_rest_ && length<2>(R) <= mass_.static_friction * mass_.load.value(t);
   release_direction_ = from_rest_ ? R : w;
   fresh_ = true;
-  stick_time_ = friction_work_ = path_length_ = supplied_ = 0;
-  energy_at_start_ = energy(x, v);
+  stick_time_ = 0;
+  open_account();
 }
 
 /// The time for which slip from rest at acceleration `a` changes friction in proportion to its speed, to 1e-14.

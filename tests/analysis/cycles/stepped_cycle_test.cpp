@@ -3,12 +3,14 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <complex>
 #include <numbers>
 
 #include "analysis/cycles/stepped_exponent.hpp"
 #include "analysis/planes/sweep.hpp"
 #include "analysis/steady/plane_sliding.hpp"
 #include "analysis/steady/structure_stability.hpp"
+#include "laws/catalogue.hpp"
 #include "tests/elastic_block.hpp"
 
 using namespace rosin;
@@ -95,6 +97,52 @@ TEST_CASE("a turning force moves a plane slider along the circle of the balance 
   is("slip_distance", 2 * pi * R);
   is("friction_work", 8 * 2 * pi * R);
   is("stick_fraction", 0);
+}
+
+TEST_CASE("friction that remembers follows a turning force on the circle of the balance of forces", "[plane]") {
+  // On a circle of radius R the slip rate turns as iωR e^{iωt}: ages are steady, and bristles turn as z = w/(iω +
+  // σ₀|w|/g).
+  using Complex = std::complex<double>;
+  constexpr double w = 10, R = 0.06, c = 2, m = 3, k = 400, N = 20;
+  const Complex i(0, 1), slip = i * w * R;
+  struct Case {
+    std::shared_ptr<const FrictionLaw> law;
+    Complex friction;  ///< N, against the motion
+  };
+  const auto ageing = laws::find_law("ageing")->with("a", 0.02)->with("b", 0.01)->with("L", 1e-3)->with("v0", 0.1);
+  constexpr double sigma0 = 50, sigma1 = 2, sigma2 = 0.1, mu = 0.3;
+  const auto bristles = laws::find_law("lugre")
+                            ->with("sigma0", sigma0)
+                            ->with("sigma1", sigma1)
+                            ->with("sigma2", sigma2)
+                            ->with("mu_s", mu)
+                            ->with("mu_d", mu);
+  const Complex z = slip / (i * w + sigma0 * std::abs(slip) / mu);
+  const Case cases[] = {{ageing, N * ageing->steady_friction({R * w, N}).friction * slip / std::abs(slip)},
+                        {bristles, N * (sigma0 * z + sigma1 * i * w * z + sigma2 * slip)}};
+  for (const auto& [law, friction] : cases) {
+    INFO(law->card().name);
+    const double A = std::abs((k - m * w * w) * R + c * slip + friction);
+    auto model = turning(A, w, 0);
+    model.law = law;
+    const auto found = find_cycle(motion::stepped(model), to(1e-7));
+    INFO(found.outcome.detail);
+    REQUIRE(found.outcome.complete());
+    CHECK(found.returns == 1);
+    CHECK(found.stable);
+    const auto is = [&](const char* name, double value) {
+      const auto& measure = found.metrics.at(name);
+      INFO(name << " " << measure.value << " ± " << measure.error << ", " << value);
+      CHECK(std::abs(measure.value - value) <= measure.error + 1e-13 * std::abs(value));
+      CHECK(measure.error < 1e-5 * (R + std::abs(value)));
+    };
+    is("displacement_x_max", R);
+    is("velocity_y_amplitude", R * w);
+    is("friction_x_max", std::abs(friction));
+    is("slip_distance", 2 * pi * R);
+    is("friction_work", (friction * std::conj(slip)).real() * 2 * pi / w);
+    is("stick_fraction", 0);
+  }
 }
 
 TEST_CASE("a plane slider pushed along one axis is a slider of one coordinate", "[plane]") {

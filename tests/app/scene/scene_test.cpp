@@ -398,10 +398,19 @@ TEST_CASE("a wrong scene is refused with its place and what to try") {
        "[drive]\nnormal_load = 1\nforce = [0, 0]\n[run]\nduration = 1",
        "scene.toml:6:13: oscillator.stiffness has 1 entries, but 2 are needed"},
       {"run",
-       "[law]\ntype = 'ageing'\n[oscillator]\ntype = 'plane-slider'\n[drive]\nnormal_load = 1\n[run]\nduration = 1",
-       "scene.toml:1:1: oscillator.type = 'plane-slider' is for friction that depends on the slip rate alone; law "
-       "'ageing' "
-       "has states, those without are coulomb, stribeck, hyperbolic, two-exponential, tabulated and formulas"},
+       "[law]\ntype = 'static-growth'\n[oscillator]\ntype = 'plane-slider'\nmass = 1\nstiffness = [1, 1]\ndamping = "
+       "[0, "
+       "0]\n[drive]\nnormal_load = 1\n[run]\nduration = 1",
+       "scene.toml:1:1: law 'static-growth' on a plane slider has states and is set-valued at rest"},
+      {"run",
+       "[law]\ntype = 'lugre'\nlambda = 0\n[oscillator]\ntype = 'plane-slider'\nmass = 1\nstiffness = [1, 1]\ndamping "
+       "= "
+       "[0, 0]\n[drive]\nnormal_load = 1\n[run]\nduration = 1",
+       "scene.toml:1:1: law.lambda = 0 leaves law 'lugre' no memory"},
+      {"run",
+       "[law]\ntype = 'lugre'\n[oscillator]\ntype = 'plane-slider'\nmass = 1\nstiffness = [1, 1]\ndamping = [0, 0]\n"
+       "[drive]\nnormal_load = 1\n[run]\nduration = 1\nstart = { z = 1e-6 }",
+       "scene.toml:11:15: run.start.z must be a list"},
       {"study", "[study]\ndimensions = 3", "scene.toml:2:14: study.dimensions = 3 is outside 1"},
       {"study", "[study]\ncases = 0", "scene.toml:2:9: study.cases = 0 is outside 1"},
       {"study", "[study]\nstepps_per_period = 1000", "did you mean 'steps_per_period'?"},

@@ -109,6 +109,37 @@ TEST_CASE("a plane slider on a belt slides steadily, with friction over speed as
   CHECK(ask(folder, "cycle", belt).status == 1);  // it comes to steady sliding
 }
 
+TEST_CASE("a plane slider whose contact remembers answers every verb that a plane slider does", "[app][plane]") {
+  const Folder folder;
+  const std::string bristles =
+      "[law]\ntype = 'lugre'\nsigma0 = 200\nsigma1 = 2\nsigma2 = 0.1\nmu_s = 0.3\nmu_d = 0.3\n" +
+      turned.substr(law.size());
+  const auto run = answer(folder, "run", bristles + "[run]\nduration = 1\nsamples = 10\nstart = { z = [1e-4, 0] }\n");
+  CHECK(run["columns"]["z_x"][0].get<double>() == Approx(1e-4));
+  CHECK(run["columns"].contains("z_y"));
+  CHECK_FALSE(run["metrics"].contains("stick_time"));
+  const auto cycle = answer(folder, "cycle", bristles);
+  CHECK(cycle["returns"] == 1);
+  const double R = cycle["displacement_x_max"].get<double>();
+  const auto map = answer(folder, "map",
+                          bristles +
+                              "[map]\nmetrics = ['displacement_x_max']\nx = { parameter = 'law.sigma0', from = 200, to "
+                              "= 400, points = 2 }\n");
+  CHECK(map["up"]["displacement_x_max"][0].get<double>() == Approx(R).epsilon(1e-4));
+  const auto sweep = answer(folder, "sweep",
+                            bristles +
+                                "[sweep]\nparameter = 'drive.normal_load'\nfrom = 18\nto = 20\npoints = 2\n"
+                                "transient = 40\nkeep = 3\n");
+  CHECK(sweep["up"].size() == 2);
+  const auto lyapunov = answer(folder, "lyapunov", bristles + "[lyapunov]\nduration = 20\n");
+  CHECK(lyapunov["exponents"][0].get<double>() < 0);
+  const auto basin = answer(folder, "basin",
+                            bristles +
+                                "[basin]\nx = { start = 'displacement_x', from = -0.1, to = 0.1, points = 2 }\n"
+                                "y = { start = 'velocity_y', from = -0.1, to = 0.1, points = 2 }\n");
+  CHECK(basin["attractors"][0]["kind"] == "cycle");
+}
+
 TEST_CASE("along its slip a plane slider has the eigenvalues of the slider, with states too", "[app][plane]") {
   const Folder folder;
   const std::string ageing = "[law]\ntype = 'ageing'\nmu0 = 0.55\na = 0.015\nb = 0.028\nL = 0.12\nv0 = 0.08\n";
