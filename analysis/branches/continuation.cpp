@@ -41,13 +41,12 @@ MatrixXd Continuation::bordered(const Problem::Residual& found, const Solution& 
 }
 
 bool Continuation::iterate(Solution& at, const Direction& normal, const Solution& from, double length, double tolerance,
-                           double& last, int most) {
+                           double& last, int most, MatrixXd& A, bool always) {
   constexpr double farthest = 0.5, slow = 0.1, noise = 100;
   double before = infinity;
-  MatrixXd A;
   for (int k = 0; k < most; ++k) {
     end_if_stopped();
-    const bool renew = A.size() == 0 || last > slow * before;
+    const bool renew = always || A.size() == 0 || last > slow * before;
     before = last;
     const auto found = problem_.residual(at.x, options_.parameter.value(at.c), tolerance, renew);
     ++residuals_, ++at.iterations;
@@ -65,6 +64,7 @@ bool Continuation::iterate(Solution& at, const Direction& normal, const Solution
     if (!step.allFinite()) return false;
     last = step.cwiseAbs().maxCoeff();
     if (last > farthest) return false;
+    at.looser_x = at.x, at.looser_c = at.c;
     at.x += size.cwiseProduct(step.head(n));
     at.c += step[n];
     if (last < tolerance) return true;
@@ -79,14 +79,15 @@ std::optional<Continuation::Solution> Continuation::correct(const Solution& gues
   Solution at = guess;
   at.iterations = 0;
   double last = infinity;
-  if (!iterate(at, normal, from, length, options_.tolerance, last, most)) return std::nullopt;
+  MatrixXd A;
+  if (!iterate(at, normal, from, length, options_.tolerance, last, most, A, true)) return std::nullopt;
   const Solution coarse = at;
   last = infinity;
   // Where rounding keeps the finer tolerance out of reach, the error says so.
-  if (!iterate(at, normal, from, length, finer * options_.tolerance, last, most) && !(last < options_.tolerance))
+  if (!iterate(at, normal, from, length, finer * options_.tolerance, last, most, A, false) && !(last < options_.tolerance))
     at = coarse, last = options_.tolerance;
   at.iterations = coarse.iterations;
-  at.looser_x = coarse.x, at.looser_c = coarse.c;
+  at.looser_x = coarse.looser_x, at.looser_c = coarse.looser_c;
   at.c_error = std::abs(at.c - coarse.c) + last;
   at.x_error = (at.x - coarse.x).cwiseQuotient(problem_.scale()).cwiseAbs().maxCoeff() + last;
   return at;
@@ -94,7 +95,6 @@ std::optional<Continuation::Solution> Continuation::correct(const Solution& gues
 
 std::optional<Direction> Continuation::tangent(const Solution& at, const Direction& along) {
   const auto found = problem_.residual(at.x, options_.parameter.value(at.c), options_.tolerance, true);
-  ++residuals_;
   if (!found.outcome.complete() || !found.F_x.allFinite() || !found.F_p.allFinite()) return std::nullopt;
   const Eigen::Index n = at.x.size();
   VectorXd t = solve_linear(bordered(found, at, along), VectorXd::Unit(n + 1, n));
@@ -325,6 +325,7 @@ void Continuation::follow_into(Branch& branch, const BranchPoint& start, Directi
   branch.points.push_back(start);
   Solution now{start.x, options_.parameter.coordinate(start.p), start.x_error, 0, 0};
   double h = options_.first_step;
+  Direction bend{VectorXd::Zero(start.x.size()), 0};
   Signs signs;
   const auto know_signs = [&](const BranchPoint& point) {
     signs.clear();
@@ -346,6 +347,7 @@ void Continuation::follow_into(Branch& branch, const BranchPoint& start, Directi
     branch.points.push_back(*point);
     know_signs(*point);
     now = {point->x, options_.parameter.coordinate(point->p), point->x_error, 0, 0};
+    bend = {VectorXd::Zero(now.x.size()), 0};
     along = parameter_alone(now.x.size());
     along.c = beyond->sign;
     h = options_.first_step;
@@ -375,8 +377,8 @@ void Continuation::follow_into(Branch& branch, const BranchPoint& start, Directi
       leaves = to_end <= h;
       length = std::min(h, std::max(to_end, 0.0));
       Solution guess = now;
-      guess.x += length * size.cwiseProduct(direction.x);
-      guess.c += length * direction.c;
+      guess.x += length * size.cwiseProduct(direction.x + length * bend.x);
+      guess.c += length * (direction.c + length * bend.c);
       next = leaves ? correct({guess.x, direction.c > 0 ? 1.0 : 0.0}, parameter_alone(guess.x.size()),
                               {guess.x, direction.c > 0 ? 1.0 : 0.0}, 0)
                     : correct(guess, direction, now, length);
@@ -423,6 +425,8 @@ void Continuation::follow_into(Branch& branch, const BranchPoint& start, Directi
     }
     branch.points.push_back(point);
     const int iterations = next->iterations;
+    bend.x = ((next->x - now.x).cwiseQuotient(size) - length * direction.x) / (length * length);
+    bend.c = (next->c - now.c - length * direction.c) / (length * length);
     now = *next;
     const VectorXd size_before = problem_.scale();
     const bool rewritten = problem_.refer_to(now.x, point.p, options_.tolerance);
@@ -431,10 +435,14 @@ void Continuation::follow_into(Branch& branch, const BranchPoint& start, Directi
     if (leaves) return end(Ending::reached_end, "");
     // The direction goes on in what the unknowns have in common, and in their new sizes.
     const Eigen::Index common = rewritten ? problem_.in_common() : now.x.size();
-    VectorXd x = VectorXd::Zero(now.x.size());
-    x.head(common) =
-        direction.x.head(common).cwiseProduct(size_before.head(common)).cwiseQuotient(problem_.scale().head(common));
-    along = {x, direction.c};
+    const auto onwards = [&](const VectorXd& before) {
+      VectorXd x = VectorXd::Zero(now.x.size());
+      x.head(common) =
+          before.head(common).cwiseProduct(size_before.head(common)).cwiseQuotient(problem_.scale().head(common));
+      return x;
+    };
+    along = {onwards(direction.x), direction.c};
+    bend = rewritten ? Direction{VectorXd::Zero(now.x.size()), 0} : Direction{onwards(bend.x), bend.c};
     constexpr int few = 4, many = 7;
     if (iterations <= few) h *= 1.5;
     if (iterations >= many) h *= 0.7;

@@ -105,7 +105,7 @@ class Continuation {
   /// The equations' slopes in sizes, with the normal as the last row.
   Eigen::MatrixXd bordered(const Problem::Residual&, const Solution&, const Direction& normal) const;
   bool iterate(Solution&, const Direction& normal, const Solution& from, double length, double tolerance, double& last,
-               int most);
+               int most, Eigen::MatrixXd& A, bool always);
   std::optional<Direction> tangent(const Solution&, const Direction& along);
   Direction parameter_alone(Eigen::Index unknowns) const;
   Problem::View view_of(const Solution&);

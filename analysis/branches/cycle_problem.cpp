@@ -124,7 +124,7 @@ VectorXd CycleProblem::begin(const std::vector<double>& y, double period, double
   Oscillator& here = oscillator(p);
   is_driven_ = here.drive_period() > 0;
   moving_ = moving_unknowns(here.system());
-  nodes_ = {{0, y}};
+  nodes_ = {{0, y}}, turn_.reset();
   std::vector<double> natural(y.size());
   here.system().scale(y.data(), natural.data());
   size_.resize(Index(moving_.size()));
@@ -134,6 +134,7 @@ VectorXd CycleProblem::begin(const std::vector<double>& y, double period, double
   VectorXd x = unknowns(nodes_, period);
   constexpr double of_nodes = 1e-8;
   if (period > 0) refer_to(x, p, of_nodes);
+  turn_.reset();  // of nodes laid out anew on a motion that need not have closed
   return x;
 }
 
@@ -169,43 +170,83 @@ CycleProblem::Born CycleProblem::born(const std::vector<double>& y, const Eigen:
   return born;
 }
 
-Outcome CycleProblem::follow_arc(int arc, const VectorXd& x, double p, double tolerance, Slopes slopes, Arc& result,
-                                 const Observer& observe, std::vector<double>* own_tangent) {
-  const bool by_parameter = slopes == Slopes::by_start_and_parameter;
+Outcome CycleProblem::follow_arc(int arc, const VectorXd& x, double p, double tolerance, Arc& result,
+                                 const Observer& observe, std::vector<double>* tangent) {
+  const bool by_parameter = tangent && !oscillator(p).has_stops();
   Oscillator& here = by_parameter ? vary(p) : oscillator(p);
-  const int n = here.system().size(), m = int(moving_.size()), columns = m + by_parameter;
   Follower follower = here.follower(accuracy(tolerance));
   result.begin.clear();
   follower.observe = [&](Follower::Step& step, std::span<const Follower::Event> switches) {
     if (result.begin.empty()) result.begin = step.state_before();
     if (observe) observe(step, switches);
   };
-  std::vector<double> S;
-  if (slopes != Slopes::none) {
-    std::vector<double>& tangent = own_tangent ? *own_tangent : S;
-    tangent.assign(std::size_t(n) * columns, 0.0);
-    for (int j = 0; j < m; ++j) tangent[moving_[j] * columns + j] = 1;
-    follower.carry(&tangent, columns);
-    if (by_parameter) {
-      const auto varied = [&](Oscillator& other) {
-        const double period = other.drive_period();
-        return Follower::Varied{&other.system(), is_driven_ && period > 0 ? period / drive_period_ : 1};
-      };
-      follower.vary(varied(*larger_), varied(*smaller_), aside_);
-    }
+  if (tangent) follower.carry(tangent, int(moving_.size()) + by_parameter);
+  if (by_parameter) {
+    const auto varied = [&](Oscillator& other) {
+      const double period = other.drive_period();
+      return Follower::Varied{&other.system(), is_driven_ && period > 0 ? period / drive_period_ : 1};
+    };
+    follower.vary(varied(*larger_), varied(*smaller_), aside_);
   }
   result.end = full(x, arc);
-  const double begin = start_of(arc, x, p), end = end_of(arc, x, p);
-  const auto outcome = follower.follow(begin, result.end, end);
+  const auto outcome = follower.follow(start_of(arc, x, p), result.end, end_of(arc, x, p));
   steps += follower.count().steps;
-  if (!outcome.complete()) return outcome;
-  if (slopes == Slopes::none || own_tangent) return {};
-  result.derivative.resize(m, m), result.by_parameter.resize(m);
-  for (int i = 0; i < m; ++i) {
-    for (int j = 0; j < m; ++j) result.derivative(i, j) = S[moving_[i] * columns + j];
-    if (by_parameter) result.by_parameter[i] = S[moving_[i] * columns + m];
+  return outcome;
+}
+
+Outcome CycleProblem::follow_turn(const Solved& at, const Observer& observe, Turn& turn) {
+  const auto& [x, p, tolerance] = at;
+  turn.x = x, turn.p = p, turn.tolerance = tolerance;
+  Oscillator& here = oscillator(p);
+  SwitchingSystem& system = here.system();
+  const bool has_stops = here.has_stops();
+  const int m = int(moving_.size()), columns = m + !has_stops;
+  const double T = period(x, p);
+  std::vector<double> S(std::size_t(system.size()) * columns);
+  const auto disturb = [&] {
+    std::ranges::fill(S, 0.0);
+    for (int j = 0; j < m; ++j) S[moving_[j] * columns + j] = 1;
+  };
+  const auto disturbed_by_start = [&] {
+    MatrixXd by_start(m, m);
+    for (int i = 0; i < m; ++i)
+      for (int j = 0; j < m; ++j) by_start(i, j) = S[moving_[i] * columns + j];
+    return by_start;
+  };
+  int arc = 0;
+  const Observer watch = [&](Follower::Step& step, std::span<const Follower::Event> switches) {
+    if (observe) observe(step, switches);
+    Turn::Step next{.part = part(arc, x) + (step.time() - start_of(arc, x, p)) / T,
+                    .y = step.state(),
+                    .by_start = disturbed_by_start(),
+                    .by_parameter = VectorXd(has_stops ? 0 : m),
+                    .rate = rates(step.time(), step.state(), p),
+                    .slips = switches.empty()};
+    for (int i = 0; i < next.by_parameter.size(); ++i) next.by_parameter[i] = S[moving_[i] * columns + m];
+    for (int c = 0; c < system.contacts(); ++c) next.slips = next.slips && system.mode(c) != ContactMode::stick;
+    disturb();
+    turn.steps.push_back(std::move(next));
+  };
+  for (arc = 0; arc < int(nodes_.size()); ++arc) {
+    Arc there;
+    disturb();
+    if (auto outcome = follow_arc(arc, x, p, tolerance, there, watch, &S); !outcome.complete()) return outcome;
+    turn.begins.push_back(std::move(there.begin));
+    turn.ends.push_back(turn.steps.size() - 1);
+    // A step that ends at a stop is told before the impact.
+    if (has_stops) turn.steps.back().by_start = disturbed_by_start() * turn.steps.back().by_start;
   }
   return {};
+}
+
+Outcome CycleProblem::keep_turn(const Solved& at) {
+  if (turn_ && turn_->p == at.p && turn_->tolerance <= at.tolerance && turn_->x.size() == at.x.size() &&
+      turn_->x == at.x)
+    return {};
+  Turn turn;
+  const auto outcome = follow_turn(at, {}, turn);
+  if (outcome.complete()) turn_ = std::move(turn);
+  return outcome;
 }
 
 Problem::Residual CycleProblem::residual(const VectorXd& x, double p, double tolerance, bool slopes) {
@@ -229,24 +270,38 @@ Problem::Residual CycleProblem::residual_at(const VectorXd& x, double p, double 
     }
   result.F = VectorXd::Zero(size);
   if (slopes) result.F_x = MatrixXd::Zero(size, size), result.F_p = VectorXd::Zero(size);
-  const bool has_stops = oscillator(p).has_stops();
-  const auto wanted = !slopes ? Slopes::none : has_stops ? Slopes::by_start : Slopes::by_start_and_parameter;
-  const auto end_on_nodes = [&](const Arc& arc, Index i, VectorXd& F) {
+  const auto end_on_node = [&](const std::vector<double>& end, Index i, VectorXd& F) {
     for (Index j = 0; j < m; ++j)
-      F[place(int(i)) + j] = (arc.end[moving_[j]] - x[place(int((i + 1) % count)) + j]) / size_[j];
+      F[place(int(i)) + j] = (end[moving_[j]] - x[place(int((i + 1) % count)) + j]) / size_[j];
   };
-  for (Index i = 0; i < count; ++i) {
-    Arc arc;
-    result.outcome = follow_arc(int(i), x, p, tolerance, wanted, arc);
-    if (!result.outcome.complete()) return result;
-    end_on_nodes(arc, i, result.F);
-    if (!slopes) continue;
+  const auto end_on_nodes = [&](double at, VectorXd& F) -> Outcome {
+    for (Index i = 0; i < count; ++i) {
+      Arc arc;
+      if (auto outcome = follow_arc(int(i), x, at, tolerance, arc); !outcome.complete()) return outcome;
+      end_on_node(arc.end, i, F);
+    }
+    return {};
+  };
+  result.outcome = slopes ? keep_turn({x, p, tolerance}) : end_on_nodes(p, result.F);
+  if (!result.outcome.complete()) return result;
+  const bool has_stops = oscillator(p).has_stops();
+  std::size_t k = 0;
+  for (Index i = 0; slopes && i < count; ++i) {
     const Index row = place(int(i)), next = place(int((i + 1) % count));
-    result.F_x.block(row, row, m, m) += size_.cwiseInverse().asDiagonal() * arc.derivative;
+    MatrixXd by_start = MatrixXd::Identity(m, m);
+    VectorXd by_parameter = VectorXd::Zero(m);
+    for (; k <= turn_->ends[std::size_t(i)]; ++k) {
+      const auto& step = turn_->steps[k];
+      by_start = step.by_start * by_start;
+      if (!has_stops) by_parameter = step.by_start * by_parameter + step.by_parameter;
+    }
+    const auto& end = turn_->steps[k - 1];
+    end_on_node(end.y, i, result.F);
+    result.F_x.block(row, row, m, m) += size_.cwiseInverse().asDiagonal() * by_start;
     result.F_x.block(row, next, m, m) -= size_.cwiseInverse().asDiagonal() * MatrixXd::Identity(m, m);
-    if (!has_stops) result.F_p.segment(row, m) = arc.by_parameter.cwiseQuotient(size_);
+    result.F_p.segment(row, m) = by_parameter.cwiseQuotient(size_);
     if (is_driven_) continue;
-    const VectorXd rate = rates(end_of(int(i), x, p), arc.end, p).cwiseQuotient(size_);
+    const VectorXd rate = end.rate.cwiseQuotient(size_);
     result.F_x.col(0).segment(row, m) = end_of(int(i), x, p) / T * rate;
     if (i > 0) result.F_x.col(i).segment(row, m) -= T * rate;
     if (i + 1 < count) result.F_x.col(i + 1).segment(row, m) += T * rate;
@@ -260,12 +315,8 @@ Problem::Residual CycleProblem::residual_at(const VectorXd& x, double p, double 
     constexpr double aside = 3e-5;
     const double step = aside * std::max(std::abs(p), 1e-12);
     VectorXd moved = result.F;
-    for (Index i = 0; i < count; ++i) {
-      Arc arc;
-      result.outcome = follow_arc(int(i), x, p + step, tolerance, Slopes::none, arc);
-      if (!result.outcome.complete()) return result;
-      end_on_nodes(arc, i, moved);
-    }
+    result.outcome = end_on_nodes(p + step, moved);
+    if (!result.outcome.complete()) return result;
     result.F_p = (moved - result.F) / step;
   }
   return result;
@@ -470,58 +521,32 @@ std::vector<Problem::Test> tests_of(const std::vector<Complex>& z, const std::ve
 
 }  // namespace
 
-Outcome CycleProblem::turn(const Solved& at, const Observer& observe, Turn& turn) {
-  const auto& [x, p, tolerance] = at;
+std::vector<MatrixXd> CycleProblem::factors_of(const Turn& turn) const {
   const Index m = Index(moving_.size());
-  std::vector<double> S;
-  MatrixXd product = MatrixXd::Identity(m, m);
-  const auto take = [&] {
-    MatrixXd D(m, m);
-    for (Index i = 0; i < m; ++i)
-      for (Index j = 0; j < m; ++j) D(i, j) = S[moving_[i] * m + j] * size_[j] / size_[i];
-    product = D * product;
-    std::fill(S.begin(), S.end(), 0.0);
-    for (Index j = 0; j < m; ++j) S[moving_[j] * m + j] = 1;
-  };
-  const auto flush = [&] {
-    turn.factors.push_back(product);
-    product.setIdentity();
-  };
-  const Observer watch = [&](Follower::Step& step, std::span<const Follower::Event> switches) {
-    if (observe) observe(step, switches);
-    take();
-    if (is_spread(product)) flush();
-  };
-  std::vector<std::size_t> ends;  // of each arc, among the factors
-  std::vector<VectorXd> motion;   // at the node there
-  for (int i = 0; i < int(nodes_.size()); ++i) {
-    Arc arc;
-    if (auto outcome = follow_arc(i, x, p, tolerance, Slopes::by_start, arc, watch, &S); !outcome.complete())
-      return outcome;
-    if (i == 0) turn.start = arc.begin;
-    take();
-    flush();
-    ends.push_back(turn.factors.size());
-    if (!is_driven_) motion.push_back(rates(0, arc.end, p).cwiseQuotient(size_));
+  std::vector<MatrixXd> factors;
+  MatrixXd basis;  // across the motion alone: along it a disturbance comes back as it was
+  const auto across_motion = [&](std::size_t k) { return across(turn.steps[k].rate.cwiseQuotient(size_)); };
+  if (!is_driven_) basis = across_motion(turn.steps.size() - 1);
+  std::size_t k = 0;
+  for (const std::size_t end : turn.ends) {
+    MatrixXd product = is_driven_ ? MatrixXd::Identity(m, m) : basis;
+    for (; k <= end; ++k) {
+      product = in_sizes(turn.steps[k].by_start) * product;
+      if (k == end || !is_spread(product)) continue;
+      factors.push_back(product);
+      product.setIdentity(m, m);
+    }
+    if (!is_driven_) basis = across_motion(end), product = basis.transpose() * product;
+    factors.push_back(product);
   }
-  if (is_driven_) return {};
-  // Across the motion alone: along it a disturbance comes back as it was.
-  std::size_t begin = 0;
-  MatrixXd basis = across(motion.back());
-  for (std::size_t i = 0; i < ends.size(); ++i) {
-    turn.factors[begin] = turn.factors[begin] * basis;
-    basis = across(motion[i]);
-    turn.factors[ends[i] - 1] = basis.transpose() * turn.factors[ends[i] - 1];
-    begin = ends[i];
-  }
-  return {};
+  return factors;
 }
 
 Problem::View CycleProblem::view(const Solved& at, const Solved& looser) {
   View view;
   const auto& [x, p, tolerance] = at;
   std::vector<Complex> rough;
-  if (Turn there; turn(looser, {}, there).complete()) rough = product_eigenvalues(there.factors);
+  if (keep_turn(looser).complete()) rough = product_eigenvalues(factors_of(*turn_));
   Oscillator& here = oscillator(p);
   BorderWatch borders(here.system(), accuracy(tolerance));
   Divergence divergence(here.system());
@@ -533,13 +558,14 @@ Problem::View CycleProblem::view(const Solved& at, const Solved& looser) {
     else if (!here.has_stops())
       divergence.add(step);
   };
-  Turn there;
-  view.outcome = turn(at, observe, there);
+  Turn turn;
+  view.outcome = follow_turn(at, observe, turn);
   if (!view.outcome.complete()) return view;
-  view.start = there.start;
+  view.start = turn.begins.front();
   view.turns = turns_;
   view.metrics = record->finish(period(x, p));
-  view.multipliers = product_eigenvalues(there.factors);
+  view.multipliers = product_eigenvalues(factors_of(turn));
+  turn_ = std::move(turn);
   if (!std::ranges::all_of(view.multipliers, [](auto z) { return std::isfinite(std::abs(z)); })) {
     view.outcome = {Ending::not_finite, "the derivative of a turn"};
     return view;
@@ -555,12 +581,13 @@ Problem::View CycleProblem::view(const Solved& at, const Solved& looser) {
 
 std::optional<CycleProblem::Doubled> CycleProblem::doubled(const VectorXd& x, double p, double tolerance) {
   const Index m = Index(moving_.size());
+  if (!keep_turn({x, p, tolerance}).complete()) return std::nullopt;
   std::vector<MatrixXd> derivative;
   MatrixXd turn = MatrixXd::Identity(m, m);
-  for (int i = 0; i < int(nodes_.size()); ++i) {
-    Arc arc;
-    if (!follow_arc(i, x, p, tolerance, Slopes::by_start, arc).complete()) return std::nullopt;
-    derivative.push_back(size_.cwiseInverse().asDiagonal() * arc.derivative * size_.asDiagonal());
+  std::size_t k = 0;
+  for (const std::size_t end : turn_->ends) {
+    derivative.push_back(MatrixXd::Identity(m, m));
+    for (; k <= end; ++k) derivative.back() = in_sizes(turn_->steps[k].by_start) * derivative.back();
     turn = derivative.back() * turn;
   }
   // The null vector of turn + 1.
@@ -588,38 +615,11 @@ std::optional<CycleProblem::Doubled> CycleProblem::doubled(const VectorXd& x, do
 }
 
 bool CycleProblem::refer_to(VectorXd& x, double p, double tolerance) {
-  // One turn, the states after each step, and what each makes of disturbances.
-  struct Passed {
-    double part;
-    std::vector<double> y;
-    MatrixXd derivative;
-    VectorXd rate;  ///< in sizes
-    bool slips;
-  };
-  Oscillator& here = oscillator(p);
-  SwitchingSystem& system = here.system();
+  if (!keep_turn({x, p, tolerance}).complete()) return false;
+  auto& [of, at_p, at_tolerance, begins, passed, ends] = *turn_;
   const int m = int(moving_.size()), count = int(nodes_.size());
   const double T = period(x, p);
-  std::vector<Passed> passed;
-  std::vector<double> S;
-  std::vector<std::size_t> ends;  // of arcs, among what was passed
-  int arc = 0;
-  const Observer observe = [&](Follower::Step& step, std::span<const Follower::Event> switches) {
-    Passed next{part(arc, x) + (step.time() - start_of(arc, x, p)) / T, step.state(), MatrixXd(m, m),
-                rates(step.time(), step.state(), p), switches.empty()};
-    for (int c = 0; c < system.contacts(); ++c) next.slips = next.slips && system.mode(c) != ContactMode::stick;
-    for (int i = 0; i < m; ++i)
-      for (int j = 0; j < m; ++j) next.derivative(i, j) = S[moving_[i] * m + j];
-    std::fill(S.begin(), S.end(), 0.0);
-    for (int j = 0; j < m; ++j) S[moving_[j] * m + j] = 1;
-    passed.push_back(std::move(next));
-  };
-  for (arc = 0; arc < count; ++arc) {
-    Arc there;
-    if (!follow_arc(arc, x, p, tolerance, Slopes::by_start, there, observe, &S).complete()) return false;
-    nodes_[arc] = {part(arc, x), there.begin};
-    ends.push_back(passed.size() - 1);
-  }
+  for (int arc = 0; arc < count; ++arc) nodes_[arc] = {part(arc, x), begins[arc]};
   const auto first = nodes_[0].y;
   VectorXd low(m), high(m);
   for (int j = 0; j < m; ++j) low[j] = high[j] = first[moving_[j]];
@@ -627,23 +627,19 @@ bool CycleProblem::refer_to(VectorXd& x, double p, double tolerance) {
     for (int j = 0; j < m; ++j)
       low[j] = std::min(low[j], at.y[moving_[j]]), high[j] = std::max(high[j], at.y[moving_[j]]);
   set_sizes(0.5 * (high - low), first, p);
-  for (auto& at : passed) at.rate = at.rate.cwiseQuotient(size_);
 
   // The first node: where the motion is neither at its fastest nor at its slowest, and slips.
-  const auto off = [&](const Passed& at) {
-    return std::abs(std::log(at.rate.cwiseAbs().maxCoeff() * T / (2 * std::numbers::pi)));
+  const auto off = [&](const Turn::Step& at) {
+    return std::abs(std::log(at.rate.cwiseQuotient(size_).cwiseAbs().maxCoeff() * T / (2 * std::numbers::pi)));
   };
-  std::vector<VectorXd> motion{passed.back().rate};  // at the nodes
   // Growth between neighbouring nodes as they stand.
   double most = 0;
-  {
+  std::size_t k = 0;
+  for (const std::size_t end : ends) {
     MatrixXd product = MatrixXd::Identity(m, m);
-    for (std::size_t k = 0; k < passed.size(); ++k) {
-      product = size_.cwiseInverse().asDiagonal() * passed[k].derivative * size_.asDiagonal() * product;
+    for (; k <= end; ++k) {
+      product = in_sizes(passed[k].by_start) * product;
       most = std::max(most, product.cwiseAbs().maxCoeff());
-      if (k != ends[motion.size() - 1] || int(motion.size()) == count) continue;
-      product.setIdentity();
-      motion.push_back(passed[k].rate);
     }
   }
   std::size_t begin = passed.size() - 1;  // the state before the first node is that of the last step
@@ -661,30 +657,38 @@ bool CycleProblem::refer_to(VectorXd& x, double p, double tolerance) {
     if (slips && (off(passed.back()) > least + well)) begin = best, rewrite = true;
   }
   if (rewrite) {
-    std::vector<Node> nodes{{0, begin + 1 == passed.size() ? first : passed[begin].y}};
-    motion = {passed[begin].rate};
-    const double origin = begin + 1 == passed.size() ? 0 : passed[begin].part;
+    if (begin + 1 < passed.size()) {
+      const double origin = passed[begin].part;
+      for (std::size_t i = 0; i < passed.size(); ++i) passed[i].part += (i <= begin) - origin;
+      std::ranges::rotate(passed, passed.begin() + long(begin) + 1);
+      nodes_ = {{0, passed.back().y}};
+    } else {
+      nodes_ = {{0, first}};
+    }
+    ends.clear();
     MatrixXd product = MatrixXd::Identity(m, m);
-    for (std::size_t k = 1; k < passed.size(); ++k) {
-      const auto& at = passed[(begin + k) % passed.size()];
-      product = size_.cwiseInverse().asDiagonal() * at.derivative * size_.asDiagonal() * product;
+    for (std::size_t i = 0; i + 1 < passed.size(); ++i) {
+      const auto& at = passed[i];
+      product = in_sizes(at.by_start) * product;
       const bool grown = product.cwiseAbs().maxCoeff() > most_growth;
-      if (!grown || !at.slips || int(nodes.size()) >= most_nodes) continue;
-      double part = at.part - origin;
-      if (part <= 0) part += 1;
+      if (!grown || !at.slips || int(nodes_.size()) >= most_nodes) continue;
       constexpr double too_near = 1e-9;
-      if (part - nodes.back().part < too_near || 1 - part < too_near) continue;
-      nodes.push_back({part, at.y});
-      motion.push_back(at.rate);
+      if (at.part - nodes_.back().part < too_near || 1 - at.part < too_near) continue;
+      nodes_.push_back({at.part, at.y});
+      ends.push_back(i);
       product.setIdentity();
     }
-    nodes_ = std::move(nodes);
-    x = unknowns(nodes_, T);
+    ends.push_back(passed.size() - 1);
+    begins.clear();
+    for (const auto& node : nodes_) begins.push_back(node.y);
+    of = x = unknowns(nodes_, T);
   }
   set_scale(T);
   references_.clear();
-  for (int i = 0; !is_driven_ && i < int(nodes_.size()); ++i)
-    references_.push_back({x.segment(place(i), m), motion[i].normalized()});
+  for (std::size_t i = 0; !is_driven_ && i < nodes_.size(); ++i) {
+    const auto& before = passed[i == 0 ? passed.size() - 1 : ends[i - 1]];
+    references_.push_back({x.segment(place(int(i)), m), before.rate.cwiseQuotient(size_).normalized()});
+  }
   return rewrite;
 }
 

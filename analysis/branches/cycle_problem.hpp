@@ -58,7 +58,7 @@ class CycleProblem final : public Problem {
   const std::vector<int>& moving() const { return moving_; }
   Oscillator& oscillator(double p);
   /// Where the family has changed beside its parameter.
-  void forget_oscillator() { at_ = NAN; }
+  void forget_oscillator() { at_ = NAN, turn_.reset(); }
   long steps = 0;
 
  private:
@@ -69,20 +69,35 @@ class CycleProblem final : public Problem {
   };
   struct Arc {
     std::vector<double> begin, end;  ///< all unknowns, those without rates of their own as they follow
-    Eigen::MatrixXd derivative;      ///< moving × moving, natural units
-    Eigen::VectorXd by_parameter;
   };
   using Observer = decltype(motion::Follower::observe);
-  enum class Slopes { none, by_start, by_start_and_parameter };
-  Outcome follow_arc(int arc, const Eigen::VectorXd& x, double p, double tolerance, Slopes, Arc&,
-                     const Observer& observe = {}, std::vector<double>* tangent = nullptr);
-  /// A turn of the cycle: factors whose product is the derivative of it, in sizes, and across the motion where the
-  /// drive is constant.
+  /// \param tangent  columns by the moving unknowns, then by the parameter where there are no stops
+  Outcome follow_arc(int arc, const Eigen::VectorXd& x, double p, double tolerance, Arc&, const Observer& observe = {},
+                     std::vector<double>* tangent = nullptr);
+  /// A turn of the cycle step by step, with the derivative of each step in natural units.
   struct Turn {
-    std::vector<double> start;
-    std::vector<Eigen::MatrixXd> factors;
+    struct Step {
+      double part;  ///< of the period, at its end
+      std::vector<double> y;
+      Eigen::MatrixXd by_start;      ///< moving × moving
+      Eigen::VectorXd by_parameter;  ///< empty: there are stops
+      Eigen::VectorXd rate;
+      bool slips;
+    };
+    Eigen::VectorXd x;
+    double p, tolerance;
+    std::vector<std::vector<double>> begins;  ///< of arcs
+    std::vector<Step> steps;
+    std::vector<std::size_t> ends;  ///< of arcs, among the steps
   };
-  Outcome turn(const Solved&, const Observer&, Turn&);
+  Outcome follow_turn(const Solved&, const Observer&, Turn&);
+  /// The turn that was followed last, if it is this one at least as accurately, else that followed now.
+  Outcome keep_turn(const Solved&);
+  /// Factors whose product is the derivative of the turn, in sizes, and across the motion where the drive is constant.
+  std::vector<Eigen::MatrixXd> factors_of(const Turn&) const;
+  Eigen::MatrixXd in_sizes(const Eigen::MatrixXd& derivative) const {
+    return size_.cwiseInverse().asDiagonal() * derivative * size_.asDiagonal();
+  }
   Oscillator& vary(double p);
   std::vector<double> full(const Eigen::VectorXd& x, int node) const;
   Eigen::VectorXd rates(double t, const std::vector<double>& y, double p);
@@ -106,6 +121,7 @@ class CycleProblem final : public Problem {
   double drive_period_ = 0;  ///< last known: a drive whose amplitude is 0 has none
   std::vector<int> moving_;  ///< unknowns with a rate of their own
   std::vector<Node> nodes_;
+  std::optional<Turn> turn_;  ///< followed last
   Eigen::VectorXd size_;  ///< of the moving unknowns in this cycle
   double amplitude_ = 1;
   Eigen::VectorXd scale_;
