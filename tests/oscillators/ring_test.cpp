@@ -15,7 +15,7 @@ using std::numbers::pi;
 
 namespace {
 
-std::shared_ptr<const FrictionLaw> coulomb(double mu) { return laws::find_law("coulomb")->with({mu, mu}); }
+std::shared_ptr<const FrictionLaw> dry_of(double mu) { return laws::find_law("coulomb")->with({mu, mu}); }
 
 /// A mass on the same springs in both directions, inside a ring.
 Structure tube_in_ring(FrictionContact contact) {
@@ -32,7 +32,7 @@ Structure tube_in_ring(FrictionContact contact) {
 
 FrictionContact behind_spring() {
   FrictionContact contact;
-  contact.law = coulomb(0.3), contact.stiffness.tangential = 7e5;
+  contact.law = dry_of(0.3), contact.stiffness.tangential = 7e5;
   contact.normal_law =
       laws::normal_law(laws::PowerContact{.coefficient = 1e6, .damping = 1e8, .separation_damping = 1e8});
   return contact;
@@ -116,7 +116,7 @@ TEST_CASE(
     const Signal pull(Signal::Harmonics{0, {{12, 55, 0.4}}});
     prescribed.force = {pull};
     FrictionContact contact;
-    contact.law = coulomb(0.4), contact.speed = 0.0;
+    contact.law = dry_of(0.4), contact.speed = 0.0;
     if (per_load)
       contact.stiffness.per_load = 2e3;
     else
