@@ -12,8 +12,11 @@ MovingPart moving_part(const Eigen::MatrixXd& J, const Eigen::VectorXd& mass, co
   std::vector<int> moving, algebraic;
   for (int i = 0; i < mass.size(); ++i) (mass[i] > 0 ? moving : algebraic).push_back(i);
   Eigen::MatrixXd A = J(moving, moving);
-  if (!algebraic.empty())
-    A -= J(moving, algebraic) * J(algebraic, algebraic).partialPivLu().solve(J(algebraic, moving));
+  if (!algebraic.empty()) {
+    const Eigen::MatrixXd by_algebraic = J(moving, algebraic), own = J(algebraic, algebraic),
+                          of_moving = own.partialPivLu().solve(Eigen::MatrixXd(J(algebraic, moving)));
+    A -= by_algebraic * of_moving;
+  }
   for (std::size_t i = 0; i < moving.size(); ++i)
     for (std::size_t j = 0; j < moving.size(); ++j) A(i, j) *= scale[moving[j]] / (scale[moving[i]] * mass[moving[i]]);
   return {std::move(moving), std::move(A)};

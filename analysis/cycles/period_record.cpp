@@ -59,17 +59,18 @@ void PeriodRecord::add(Follower::Step& step, std::span<const Follower::Event> sw
   }
   for (std::size_t c = 0; c < steps_.size(); ++c) {
     for (const double value : steps_[c]) high_[c] = std::max(high_[c], value), low_[c] = std::min(low_[c], value);
-    high_[c] = std::max(high_[c], look_between(step, c, +1));
-    low_[c] = std::min(low_[c], -look_between(step, c, -1));
+    Between between;
+    for (int i = 0; i <= parts; ++i) between[i] = tableau.interpolate(steps_[c], double(i) / parts);
+    high_[c] = std::max(high_[c], look_between(step, c, between, +1));
+    low_[c] = std::min(low_[c], -look_between(step, c, between, -1));
   }
   for (int c = 0; c < system_.contacts(); ++c)
     if (system_.mode(c) == ContactMode::stick) stick_[c] += step.length();
   add_slip(step);
   length_.push_back(step.length());
   for (int node = 1; node < nodes; ++node) {
-    step.stage(node - 1, y.data());
     time.push_back(moment_ + step.node(node - 1) * step.length());
-    record.record(step.stage_time(node - 1), y.data());
+    for (std::size_t c = 0; c < steps_.size(); ++c) record.values[c].push_back(steps_[c][node]);
   }
   moment_ += step.length();
   for (const auto& event : switches) {
@@ -79,13 +80,12 @@ void PeriodRecord::add(Follower::Step& step, std::span<const Follower::Event> sw
 }
 
 /// The largest value of `sign` times a column within the step, at the full order, where it is above what is known.
-double PeriodRecord::look_between(Follower::Step& step, std::size_t column, double sign) {
+double PeriodRecord::look_between(Follower::Step& step, std::size_t column, const Between& between, double sign) {
   const auto& tableau = RadauTableau::get();
-  constexpr int fine = 16;
   const auto by_polynomial = [&](double theta) { return sign * tableau.interpolate(steps_[column], theta); };
-  double at = 0, largest = by_polynomial(0);
-  for (int i = 1; i <= fine; ++i)
-    if (const double value = by_polynomial(double(i) / fine); value > largest) at = double(i) / fine, largest = value;
+  double at = 0, largest = sign * between[0];
+  for (int i = 1; i <= parts; ++i)
+    if (const double value = sign * between[i]; value > largest) at = double(i) / parts, largest = value;
   const double known = sign > 0 ? high_[column] : -low_[column];
   const double range = *std::ranges::max_element(steps_[column]) - *std::ranges::min_element(steps_[column]);
   constexpr double counts = 1e-13, inwards = 1e-4;
@@ -93,7 +93,7 @@ double PeriodRecord::look_between(Follower::Step& step, std::size_t column, doub
   if (at == 0 && by_polynomial(inwards) <= largest) return known;
   if (at == 1 && by_polynomial(1 - inwards) <= largest) return known;
   if (!(largest + 0.1 * range > known + counts * std::abs(known))) return known;
-  double left = std::max(at - 1.0 / fine, 0.0), right = std::min(at + 1.0 / fine, 1.0);
+  double left = std::max(at - 1.0 / parts, 0.0), right = std::min(at + 1.0 / parts, 1.0);
   for (int i = 0; i < 30; ++i) {
     const double a = left + (right - left) / 3, b = right - (right - left) / 3;
     if (by_polynomial(a) > by_polynomial(b))

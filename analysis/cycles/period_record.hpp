@@ -32,8 +32,10 @@ class PeriodRecord {
   motion::StructureRecord record;
 
  private:
-  double look_between(motion::Follower::Step&, std::size_t column, double sign);
   double wear_rate(int contact, double t, const double* y) const;
+  static constexpr int parts = 16;
+  using Between = std::array<double, parts + 1>;  ///< a column's polynomial at the ends of equal parts of a step
+  double look_between(motion::Follower::Step&, std::size_t column, const Between&, double sign);
   void add_slip(motion::Follower::Step&);
   void add_metric(std::string name, double value, std::string unit, std::string meaning);
   void add_slip_metrics(int friction_contact, double duration);

@@ -133,18 +133,20 @@ SlipRecord::Loop SlipRecord::loop(const std::vector<Sample>& samples) const {
   return result;
 }
 
-double SlipRecord::refined_loop(Collocation& solver, double begin, double end, double coarse, double last_change,
-                                double accuracy) {
-  const auto& tableau = RadauTableau::get();
-  const auto part = [&](double from, double to) {
-    std::vector<Sample> samples{sample_at(solver, from)};
-    for (const double c : tableau.c) samples.push_back(sample_at(solver, from + c * (to - from)));
+double SlipRecord::refined_loop(Collocation& solver, const Sample& begin, const Sample& end, double coarse,
+                                double last_change, double accuracy) {
+  const auto part = [&](const Sample& from, const Sample& to) {
+    std::vector<Sample> samples{from};
+    for (int i = 0; i + 1 < Collocation::stages; ++i)
+      samples.push_back(sample_at(solver, from.theta + solver.node(i) * (to.theta - from.theta)));
+    samples.push_back(to);
     return loop(samples).integral;
   };
-  const double middle = 0.5 * (begin + end), left = part(begin, middle), right = part(middle, end);
+  const Sample middle = sample_at(solver, 0.5 * (begin.theta + end.theta));
+  const double left = part(begin, middle), right = part(middle, end);
   const double change = std::abs(left + right - coarse);
   // In small parts a change that no longer shrinks is rounding error.
-  const bool rounding = end - begin < 0.01 && change > 0.5 * last_change;
+  const bool rounding = end.theta - begin.theta < 0.01 && change > 0.5 * last_change;
   if (change <= accuracy || rounding || --divisions_left_ < 0) return left + right;
   return refined_loop(solver, begin, middle, left, change, accuracy) +
          refined_loop(solver, middle, end, right, change, accuracy);
@@ -232,7 +234,7 @@ void SlipRecord::add(Collocation& solver, const std::vector<Sample>& samples, co
     // power 2.5.
     const double ratio = std::abs(whole.integral - whole.check) / std::max(whole.magnitude, 1e-300);
     const bool resolved = std::pow(ratio, 2.5) * whole.magnitude <= accuracy;
-    loop_ += resolved ? whole.integral : refined_loop(solver, 0, 1, whole.integral, infinity, accuracy);
+    loop_ += resolved ? whole.integral : refined_loop(solver, samples.front(), samples.back(), whole.integral, infinity, accuracy);
   }
   for (int k = 0; k < 3; ++k)
     time_within[k] += time_below(solver, samples, of_slip, threshold_[k] * std::abs(seen_.speed));

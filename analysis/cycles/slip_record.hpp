@@ -63,8 +63,8 @@ class SlipRecord {
     double integral, check, magnitude;
   };
   Loop loop(const std::vector<Sample>&) const;
-  double refined_loop(solvers::steps::Collocation&, double begin, double end, double coarse, double last_change,
-                      double accuracy);
+  double refined_loop(solvers::steps::Collocation&, const Sample& begin, const Sample& end, double coarse,
+                      double last_change, double accuracy);
   double time_below(solvers::steps::Collocation&, const std::vector<Sample>&, const std::vector<Extremum>& of_slip,
                     double threshold) const;
 
