@@ -210,13 +210,14 @@ Outcome PlaneCreep::advance(double limit, Switch& switched) {
   const double drive_break =
       std::min({mass_.load.next_break(t0_), mass_.force[0].next_break(t0_), mass_.force[1].next_break(t0_)});
   const auto speed = [](const std::vector<double>& y) { return std::hypot(y[u_0], y[u_1]); };
-  if (near_rest_ > 0) {
+  double longest = motion_->resolution();
+  const double before = speed(collocation_->state_before()), now = speed(y_);
+  if (near_rest_ > 0 && now < before) {
     constexpr double share = 0.5, near_rest_share = 1e-3;  // of the slip rate that a step may lose
-    const double before = speed(collocation_->state_before()), now = speed(y_);
     const double loss = std::max(share * now, near_rest_share * near_rest_);
-    const bool slows = now < before && collocation_->length() > 0;
-    collocation_->bound_step(slows ? loss * collocation_->length() / (before - now) : infinity);
+    longest = std::min(longest, loss * collocation_->length() / (before - now));
   }
+  collocation_->bound_step(longest);
   const Outcome outcome = collocation_->step(std::min(limit, drive_break));
   if (!outcome.complete()) return outcome;
   t1_ = collocation_->time();
