@@ -84,7 +84,8 @@ std::optional<Continuation::Solution> Continuation::correct(const Solution& gues
   const Solution coarse = at;
   last = infinity;
   // Where rounding keeps the finer tolerance out of reach, the error says so.
-  if (!iterate(at, normal, from, length, finer * options_.tolerance, last, most, A, false) && !(last < options_.tolerance))
+  if (!iterate(at, normal, from, length, finer * options_.tolerance, last, most, A, false) &&
+      !(last < options_.tolerance))
     at = coarse, last = options_.tolerance;
   at.iterations = coarse.iterations;
   at.looser_x = coarse.looser_x, at.looser_c = coarse.looser_c;

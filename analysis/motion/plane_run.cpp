@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <memory>
 
@@ -48,6 +49,7 @@ struct PlanePass {
       };
     };
     std::vector<double> inside;
+    double wear = 0;  // J, ∫ N |w| dt
     for (long steps = 0; solver.time() < end && outcome.complete(); ++steps) {
       Switch what;
       outcome = steps < most_steps ? solver.advance(end, what) : Outcome{Ending::budget_spent, "too many steps"};
@@ -59,6 +61,14 @@ struct PlanePass {
       inside.clear();
       for (double k = 1; k < parts; ++k) inside.push_back(std::lerp(from, to, k / parts));
       record.step(from, to, inside, row(true), row(false));
+      const auto wear_rate = [&](double t) {
+        const auto v = solver.at(t, true).velocity;
+        return model.mass.load.value(t) *
+               std::hypot(v[0] - model.mass.surface_velocity[0], v[1] - model.mass.surface_velocity[1]);
+      };
+      for (double k = 0; k < parts; ++k)
+        wear += boost::math::quadrature::gauss<double, 3>::integrate(wear_rate, std::lerp(from, to, k / parts),
+                                                                     std::lerp(from, to, (k + 1) / parts));
       if (what == Switch::none) continue;
       const auto at = solver.at(solver.time()).displacement;
       events.push_back({solver.time(), name(what), at[0], at[1]});
@@ -66,6 +76,7 @@ struct PlanePass {
     if (outcome.complete()) record.rest(end, true, row(false));
     metrics = {{"friction_work", solver.friction_work()},
                {"path_length", solver.path_length()},
+               {"wear_work_rate", wear / solver.time()},
                {"energy_residual", solver.energy_residual()}};
     if (memory.empty()) metrics["stick_time"] = solver.stick_time();
     steps = solver.steps();
