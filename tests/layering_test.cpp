@@ -184,8 +184,9 @@ TEST_CASE("outside laws/ a friction law has no name") {
       if (first_part(what) != "laws") continue;
       INFO(from.string() << " includes " << what);
       CHECK((what == "laws/law.hpp" || what == "laws/normal_law.hpp" || what == "laws/frictionless.hpp" ||
-             what == "laws/heat_flow.hpp" || what == "laws/regions.hpp" || what == "laws/one_coefficient.hpp" ||
-             what == "laws/wrappers.hpp" || what == "laws/expression.hpp" || what == "laws/tape.hpp" ||  // formulas
+             what == "laws/heat_flow.hpp" || what == "laws/regions.hpp" || what == "laws/plane_form.hpp" ||
+             what == "laws/one_coefficient.hpp" || what == "laws/wrappers.hpp" || what == "laws/expression.hpp" ||
+             what == "laws/tape.hpp" ||  // formulas
              ((folder == "app" || folder == "bench") && what == "laws/catalogue.hpp") ||
              (folder == "app" &&
               (what == "laws/formula.hpp" || what == "laws/heating.hpp" || what == "laws/smoothing.hpp" ||

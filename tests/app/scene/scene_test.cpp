@@ -410,7 +410,7 @@ TEST_CASE("a wrong scene is refused with its place and what to try") {
       {"run",
        "[law]\ntype = 'lugre'\n[oscillator]\ntype = 'plane-slider'\nmass = 1\nstiffness = [1, 1]\ndamping = [0, 0]\n"
        "[drive]\nnormal_load = 1\n[run]\nduration = 1\nstart = { z = 1e-6 }",
-       "scene.toml:11:15: run.start.z must be a list"},
+       "scene.toml:12:15: run.start.z is a number, but a list of two, along x and y is needed"},
       {"study", "[study]\ndimensions = 3", "scene.toml:2:14: study.dimensions = 3 is outside 1"},
       {"study", "[study]\ncases = 0", "scene.toml:2:9: study.cases = 0 is outside 1"},
       {"study", "[study]\nstepps_per_period = 1000", "did you mean 'steps_per_period'?"},
