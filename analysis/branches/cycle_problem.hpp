@@ -122,7 +122,7 @@ class CycleProblem final : public Problem {
   std::vector<int> moving_;  ///< unknowns with a rate of their own
   std::vector<Node> nodes_;
   std::optional<Turn> turn_;  ///< followed last
-  Eigen::VectorXd size_;  ///< of the moving unknowns in this cycle
+  Eigen::VectorXd size_;      ///< of the moving unknowns in this cycle
   double amplitude_ = 1;
   Eigen::VectorXd scale_;
   /// Under a constant drive: where the nodes are, and the cycle's direction there, in sizes.
