@@ -418,8 +418,8 @@ void Continuation::follow_into(Branch& branch, const BranchPoint& start, Directi
     } else {
       find_special(branch, signs, now, branch.points.back(), point, direction, length);
     }
-    Direction bent{((next->x - now.x).cwiseQuotient(size) - length * direction.x) / (length * length),
-                   (next->c - now.c - length * direction.c) / (length * length)};
+    const Direction bent{((next->x - now.x).cwiseQuotient(size) - length * direction.x) / (length * length),
+                         (next->c - now.c - length * direction.c) / (length * length)};
     for (const double wanted : options_.at) {
       const double c = options_.parameter.coordinate(wanted) - now.c;
       if (c * (options_.parameter.coordinate(wanted) - next->c) >= 0) continue;
