@@ -74,7 +74,7 @@ bool Continuation::iterate(Solution& at, const Direction& normal, const Solution
 }
 
 std::optional<Continuation::Solution> Continuation::correct(const Solution& guess, const Direction& normal,
-                                                            const Solution& from, double length) {
+                                                            const Solution& from, double length, bool smooth) {
   constexpr int most = 8;
   Solution at = guess;
   at.iterations = 0;
@@ -82,13 +82,17 @@ std::optional<Continuation::Solution> Continuation::correct(const Solution& gues
   MatrixXd A;
   if (!iterate(at, normal, from, length, options_.tolerance, last, most, A, true)) return std::nullopt;
   const Solution coarse = at;
+  // Its multipliers are those at the last Jacobian where the correction from there moves them little.
+  constexpr double little = 0.1;
+  const bool as_corrected = !(last < little * options_.tolerance);
   last = infinity;
+  if (!smooth) A.resize(0, 0);
   // Where rounding keeps the finer tolerance out of reach, the error says so.
   if (!iterate(at, normal, from, length, finer * options_.tolerance, last, most, A, false) &&
       !(last < options_.tolerance))
     at = coarse, last = options_.tolerance;
   at.iterations = coarse.iterations;
-  at.looser_x = coarse.looser_x, at.looser_c = coarse.looser_c;
+  at.looser_x = as_corrected ? coarse.x : coarse.looser_x, at.looser_c = as_corrected ? coarse.c : coarse.looser_c;
   at.c_error = std::abs(at.c - coarse.c) + last;
   at.x_error = (at.x - coarse.x).cwiseQuotient(problem_.scale()).cwiseAbs().maxCoeff() + last;
   return at;
@@ -257,7 +261,7 @@ std::optional<SpecialPoint> Continuation::approach_border(const Solution& from, 
         const double ahead = (l - b.l) / (b.l - a.l);
         guess.x = b.at.x + ahead * (b.at.x - a.at.x), guess.c = b.at.c + ahead * (b.at.c - a.at.c);
       }
-      const auto at = correct(guess, direction, from, l);
+      const auto at = correct(guess, direction, from, l, false);
       std::optional<BranchPoint> point;
       if (at) point = point_of(*at);
       const auto* test = point ? find(point->view, kind) : nullptr;
@@ -414,11 +418,16 @@ void Continuation::follow_into(Branch& branch, const BranchPoint& start, Directi
     } else {
       find_special(branch, signs, now, branch.points.back(), point, direction, length);
     }
+    const Direction bent{((next->x - now.x).cwiseQuotient(size) - length * direction.x) / (length * length),
+                         (next->c - now.c - length * direction.c) / (length * length)};
     for (const double wanted : options_.at) {
-      const double c = options_.parameter.coordinate(wanted);
-      if ((c - now.c) * (c - next->c) >= 0) continue;
-      const double part = (c - now.c) / (next->c - now.c);
-      if (auto there = close(now.x + part * (next->x - now.x), wanted)) {
+      const double c = options_.parameter.coordinate(wanted) - now.c;
+      if (c * (options_.parameter.coordinate(wanted) - next->c) >= 0) continue;
+      // c = l (t + l b), whose root is between the two points.
+      const double root = std::sqrt(direction.c * direction.c + 4 * bent.c * c);
+      const double nearer = 2 * c / (direction.c + std::copysign(root, direction.c)),
+                   l = nearer >= 0 && nearer <= length ? nearer : length * c / (next->c - now.c);
+      if (auto there = close(now.x + l * size.cwiseProduct(direction.x + l * bent.x), wanted)) {
         there->asked = true;
         branch.points.push_back(std::move(*there));
         if (arrived) arrived(branch.points.back());
@@ -426,8 +435,6 @@ void Continuation::follow_into(Branch& branch, const BranchPoint& start, Directi
     }
     branch.points.push_back(point);
     const int iterations = next->iterations;
-    bend.x = ((next->x - now.x).cwiseQuotient(size) - length * direction.x) / (length * length);
-    bend.c = (next->c - now.c - length * direction.c) / (length * length);
     now = *next;
     const VectorXd size_before = problem_.scale();
     const bool rewritten = problem_.refer_to(now.x, point.p, options_.tolerance);
@@ -443,7 +450,7 @@ void Continuation::follow_into(Branch& branch, const BranchPoint& start, Directi
       return x;
     };
     along = {onwards(direction.x), direction.c};
-    bend = rewritten ? Direction{VectorXd::Zero(now.x.size()), 0} : Direction{onwards(bend.x), bend.c};
+    bend = rewritten ? Direction{VectorXd::Zero(now.x.size()), 0} : Direction{onwards(bent.x), bent.c};
     constexpr int few = 4, many = 7;
     if (iterations <= few) h *= 1.5;
     if (iterations >= many) h *= 0.7;

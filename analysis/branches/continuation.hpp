@@ -89,7 +89,7 @@ class Continuation {
     Eigen::VectorXd x;
     double c = 0, x_error = 0, c_error = 0;
     int iterations = 0;
-    Eigen::VectorXd looser_x = {};  ///< at the tolerance of the search
+    Eigen::VectorXd looser_x = {};  ///< at the tolerance of the search, where its multipliers are taken
     double looser_c = 0;
   };
   /// The sign that a test has had, and a point since at which its error left the sign open.
@@ -101,9 +101,13 @@ class Continuation {
   using Signs = std::map<std::string, Sign>;
   void follow_into(Branch&, const BranchPoint& start, Direction along);
   /// Newton's method with normal·(x − x₀)/size + normal_c (c − c₀) = length.
-  std::optional<Solution> correct(const Solution& guess, const Direction& normal, const Solution& from, double length);
+  /// \param smooth  the Jacobian of the search serves for the finer tolerance as well: not near a border, where it
+  ///        changes as the root of the distance
+  std::optional<Solution> correct(const Solution& guess, const Direction& normal, const Solution& from, double length,
+                                  bool smooth = true);
   /// The equations' slopes in sizes, with the normal as the last row.
   Eigen::MatrixXd bordered(const Problem::Residual&, const Solution&, const Direction& normal) const;
+  /// \param A  the Jacobian, bordered: renewed where there is none, where corrections shrink slowly, or `always`
   bool iterate(Solution&, const Direction& normal, const Solution& from, double length, double tolerance, double& last,
                int most, Eigen::MatrixXd& A, bool always);
   std::optional<Direction> tangent(const Solution&, const Direction& along);

@@ -234,7 +234,8 @@ void SlipRecord::add(Collocation& solver, const std::vector<Sample>& samples, co
     // power 2.5.
     const double ratio = std::abs(whole.integral - whole.check) / std::max(whole.magnitude, 1e-300);
     const bool resolved = std::pow(ratio, 2.5) * whole.magnitude <= accuracy;
-    loop_ += resolved ? whole.integral : refined_loop(solver, samples.front(), samples.back(), whole.integral, infinity, accuracy);
+    loop_ += resolved ? whole.integral
+                      : refined_loop(solver, samples.front(), samples.back(), whole.integral, infinity, accuracy);
   }
   for (int k = 0; k < 3; ++k)
     time_within[k] += time_below(solver, samples, of_slip, threshold_[k] * std::abs(seen_.speed));
