@@ -282,13 +282,21 @@ StructureSystem::Load StructureSystem::load(int contact, double t, const double*
   return load;
 }
 
-/// N₀, or what presses a contact that motion alone presses: the structure's own springs, taken through its gap.
+/// N₀, or what presses a contact that motion alone presses: the structure's own springs, taken through its gap; without
+/// one the forces on it, or what a micrometre of approach makes.
 double StructureSystem::natural_load(int contact) const {
   const double N = load(contact, 0).level;
   if (N > 0 || !follows_motion(contact)) return N;
   const VectorXd n = structure_.contacts[contact].normal.col(0);
   const double gap = std::abs(station_[at_[contact].first_station].gap);
-  return gap * n.dot(structure_.K * n) / n.squaredNorm();
+  if (const double of_gap = gap * n.dot(structure_.K * n) / n.squaredNorm(); of_gap > 0) return of_gap;
+  double pushed = 0;
+  for (std::size_t i = 0; i < structure_.force.size(); ++i) {
+    double size = std::abs(structure_.force[i].level());
+    for (const auto& term : structure_.force[i].piece(0).terms) size += std::abs(term.amplitude);
+    pushed += size * std::abs(n[Eigen::Index(i)]);
+  }
+  return pushed > 0 ? pushed : structure_.contacts[contact].normal_law->at(1e-6, 0, 0).pressure;
 }
 
 StructureSystem::Turn StructureSystem::turn(int contact, const double* y) const {

@@ -42,7 +42,7 @@ class PlaneCreep final : public PlaneSolver {
   double near_rest_ = 0;  ///< m/s
   std::unique_ptr<Motion> motion_;
   std::unique_ptr<steps::Collocation> collocation_;
-  bool fresh_ = true;   ///< a new piece of the drive begins at t1_
+  bool fresh_ = true;  ///< a new piece of the drive begins at t1_
   bool sticks_ = false;
   double stick_time_ = 0;
   std::vector<double> y_;

@@ -173,9 +173,7 @@ TEST_CASE("stiff bristles in the plane tend to Coulomb friction", "[plane]") {
   double before = infinity;
   model.mass.static_friction = model.mass.dynamic_friction = 0;
   for (const double stiffness : {1e4, 1e5, 1e6}) {
-    model.law =
-        law_of("lugre",
-               {{"sigma0", stiffness}, {"sigma1", 1}, {"sigma2", 0}, {"mu_s", 0.4}, {"mu_d", 0.4}});
+    model.law = law_of("lugre", {{"sigma0", stiffness}, {"sigma1", 1}, {"sigma2", 0}, {"mu_s", 0.4}, {"mu_d", 0.4}});
     const Run bristles = run_plane(model, options);
     REQUIRE(bristles.outcome.complete());
     double apart = 0;
