@@ -819,7 +819,8 @@ void run_twice(const Model& model, const RunOptions& options, double stick_thres
   if (const auto wear = fine->metrics_.find("wear_work_rate"); wear != fine->metrics_.end()) {
     const auto other = coarse->metrics_.find(wear->first);
     const double difference = other != coarse->metrics_.end() ? std::abs(other->second - wear->second) : infinity;
-    result.metric_error[wear->first] = rules[slip_rate].error(difference, wear->second);
+    result.metric_error[wear->first] =
+        ErrorRule{rules.front().times, rules.front().least}.error(difference, wear->second);
   }
 }
 

@@ -53,6 +53,7 @@ void check_alike(const Run& few, const Run& many) {
   for (const auto& [name, known] : few.metric_error) {
     CAPTURE(name, few.metrics.at(name), many.metrics.at(name), known);
     CHECK(std::abs(few.metrics.at(name) - many.metrics.at(name)) <= known + many.metric_error.at(name));
+    if (!name.ends_with("_max") && !name.ends_with("_min")) continue;
     // no sample lies beyond
     const auto column =
         std::size_t(std::ranges::find(many.column_names, name.substr(0, name.size() - 4)) - many.column_names.begin());
