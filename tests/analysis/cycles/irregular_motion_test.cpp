@@ -86,7 +86,7 @@ TEST_CASE("the same block by steps of a slider in the plane has the averages of 
   }
 }
 
-TEST_CASE("two sinusoids that never meet again are quasi-periodic, and have their two lines") {
+TEST_CASE("two sinusoids that never meet again are quasi-periodic, and have their two lines", "[long]") {
   // x = −¼ cos 2t + A cos √2 t + B sin √2 t without friction, from 0 at the speed of the belt.
   const auto motion = irregular_motion(belt(2, 1e-12), {1e-9, 1e-7}, 1e-8, 0.1);
   CHECK(motion.regime == "quasi-periodic");

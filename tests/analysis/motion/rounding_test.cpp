@@ -116,7 +116,7 @@ TEST_CASE("the error of a spring's displacement is that of the friction that it 
   }
 }
 
-TEST_CASE("slip rates that follow from friction or from forces agree between solvers", "[run]") {
+TEST_CASE("slip rates that follow from friction or from forces agree between solvers", "[run][long]") {
   // Explicit steps at two tolerances share their last step, in which slip sets in.
   const auto loading = slider_under("kato-tullis", {0.7379, 0.003532, 0.02848, 0.03634, 4.573e-8, 0.0005811},
                                     {0, 0.01323, 0.003369}, 4.004e-6, 1.11e-5);

@@ -67,7 +67,7 @@ TEST_CASE("the stated error of a reduced block's eigenvalues covers their distan
   }
 }
 
-TEST_CASE("the stated error of a reduced block's critical friction covers its distance to that of the mesh") {
+TEST_CASE("the stated error of a reduced block's critical friction covers its distance to that of the mesh", "[long]") {
   // By an independent code, and undamped by the growth that follows its root (cases/elastic-block).
   for (const auto& [damped, of_mesh] : {std::pair{true, 0.292091470}, {false, 0.290486215}})
     for (const int modes : {0, 2, 8, 16, 64}) {
