@@ -389,6 +389,16 @@ class SliderPass {
     return true;
   }
 
+  /// ∫ N |v| dt over a step. \param go_to  puts the state at a time of it into y
+  template <unsigned points, class GoTo>
+  void add_wear(double t0, double t1, const std::vector<double>& y, GoTo go_to) {
+    const auto rate = [&](double t) {
+      go_to(t);
+      return system_.model().drive.normal_load.value(t) * std::abs(system_.contact_slip_rate(t, y.data()));
+    };
+    wear_ += boost::math::quadrature::gauss<double, points>::integrate(rate, t0, t1);
+  }
+
   /// Records samples and, for smooth laws, reversals in the last step of a collocation.
   void record_step(Collocation& step, bool reversals) {
     std::vector<double> y(system_.size());
@@ -408,16 +418,6 @@ class SliderPass {
     }
     add_wear<7>(t0, step.time(), y, [&](double t) { step.interpolate((t - t0) / h, y.data()); });
     record_.step(step, [this](double t, const double* z, double* row) { observe(t, z, row); });
-  }
-
-  /// ∫ N |v| dt over a step. \param go_to  puts the state at a time of it into y
-  template <unsigned points, class GoTo>
-  void add_wear(double t0, double t1, const std::vector<double>& y, GoTo go_to) {
-    const auto rate = [&](double t) {
-      go_to(t);
-      return system_.model().drive.normal_load.value(t) * std::abs(system_.contact_slip_rate(t, y.data()));
-    };
-    wear_ += boost::math::quadrature::gauss<double, points>::integrate(rate, t0, t1);
   }
 
   /// The same for an explicit step. Under a constant drive slip reverses at most once in a step, and the signs at its

@@ -274,7 +274,6 @@ results::Result result_of(const Job& job, const analysis::motion::Run& run) {
 /// A column of one station of a block, which has dozens.
 bool is_of_station(const std::string& name) { return name.starts_with("pressure_") || name.starts_with("slip_rate_"); }
 
-/// Of the second half of a motion by steps, each with its difference to half the step.
 /// Of contacts that open and close, whose wear is what one asks of them.
 void say_wear(const Job& job, const oscillators::Structure& structure, const analysis::motion::Run& run) {
   const auto& contacts = structure.contacts;
@@ -286,6 +285,7 @@ void say_wear(const Job& job, const oscillators::Structure& structure, const ana
   }
 }
 
+/// Of the second half of a motion by steps, each with its difference to half the step.
 void say_averages(Job& job, const std::map<std::string, double>& metrics) {
   job.say("second half of the run:");
   const auto say = [&](const char* name, const char* meaning, const char* unit) {
